@@ -13,7 +13,7 @@ import numpy as np
 from s2sad.dispatch.arguments import kernel_value, bind, coercion, misfit
 from s2sad.diagnostics import Diagnostic, S2sadError, warn
 from s2sad.dispatch.executable import Executable
-from s2sad.infer.types import NONE
+from s2sad.infer.types import NONE, TEXT
 from s2sad.program import Request
 from s2sad.interface.selection import (
     RETURN, ReturnedValues, array_seed, number_seed, places, result_seed, selected_of, selected_wrt, seeds_by_position,
@@ -92,7 +92,7 @@ class ReverseCall(PreparedCall):
             wrt = tuple(n for n in state.kernel.independents if kinds[n].is_inexact) or None
         self.wrt = selected_wrt(name, self.names, self.types, wrt if chosen is None else chosen)
         self.is_single = len(self.wrt) == 1 and (
-            chosen is not None or sum(kinds[n] != NONE for n in state.kernel.independents) <= 1)
+            chosen is not None or sum(kinds[n] not in (NONE, TEXT) for n in state.kernel.independents) <= 1)
         if with_value and (len(self.results.types) != 1 or not self.results.types[0].is_float
                            or self.results.types[0].is_array):
             raise _no_float(name, self.results)

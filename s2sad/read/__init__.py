@@ -5,7 +5,6 @@
     outside_values      what a name from outside can mean
     unique_names        every variable has a name of its own
     desugar             plainer spellings of the same
-    hoist_definitions, lambda_lifting, higher_order, function_tables    functions as values
     supported_subset    what the passes behind take; anything else is evaluated
     resolve             every outside name becomes a dotted one
     linker              the kernels of a program, callees first

@@ -32,7 +32,6 @@ from __future__ import annotations
 from s2sad.read.elif_chains import elif_chains
 from s2sad.read.matmul_assignment import matmul_assignment
 from s2sad.read.range_values import ranged, unnamed
-from s2sad.read.unroll_literals import unroll_literals
 from s2sad.tree import (
     AST, Add, And, Assert, Assign, Attribute, BinOp, BoolOp, Break, Call, Compare, Constant, Eq, Expr, For,
     FunctionDef, If, IfExp, In, List, Load, Mod, Name, Not, NotEq, NotIn, Or, Pass, Raise, Return, Slice, Starred,
@@ -47,7 +46,7 @@ _LAZY = ("Lambda", "ListComp", "GeneratorExp", "SetComp", "DictComp")   # run la
 
 def desugar(function: FunctionDef) -> FunctionDef:
     """The function with such spellings in their plain form."""
-    new = unroll_literals(unnamed(elif_chains(copy(function))))
+    new = unnamed(elif_chains(copy(function)))
     read = {n.id for n in walk(function.body) if isinstance(n, Name) and not isinstance(n.ctx, Store)}
 
     bound = {n.id for n in walk(function) if isinstance(n, Name) and not isinstance(n.ctx, Load)}

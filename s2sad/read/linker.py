@@ -10,20 +10,18 @@ from s2sad import tree
 from s2sad.diagnostics import Diagnostic, Report, S2sadError, Source, Span, warn_once
 from s2sad.program import Kernel, Program
 from s2sad.read import supported_subset
-from s2sad.read.hoist_definitions import hoist_definitions
-from s2sad.read.higher_order import by_default, definition, higher_order
+from s2sad.read.capture import captured_of
 from s2sad.read.ignored import ignored
 from s2sad.read.local_imports import local_imports
 from s2sad.read.live_module import live_meaning
 from s2sad.read.outside_values import AST, Array, Captured, UserFunctionValue, NotConstant, Number, Record
-from s2sad.read.lambda_lifting import lifted
 from s2sad.read.void_returns import void_returns
-from s2sad.read.function_tables import function_tables
 from s2sad.read.desugar import desugar
 from s2sad.read.resolve import Resolved, resolve
 from s2sad.read.shape_assignment import shape_assignment
 from s2sad.read.named_lists import list_aliases, list_returns
 from s2sad.read.single_tuples import single_tuples
+from s2sad.read.unique_names import unique_names
 from s2sad.live_objects.registry import GIVEN, RegisteredDerivative
 
 
@@ -51,7 +49,6 @@ class Linker:
 
     def program(self, entry: UserFunctionValue) -> Program:
         """The program."""
-        entry = with_functions(entry)
         self.visit(entry, [])
         wrong = [d for report in self.reports for d in sorted(report.found, key=_position)]
         if wrong:
@@ -87,9 +84,9 @@ class Linker:
     def visit(self, function: UserFunctionValue, callers: list[UserFunctionValue], caller: Source | None = None,
               call: AST | None = None
               ) -> None:
-        captured = _called_from(definition(function), caller, call)
-        captured = shape_assignment(function_tables(local_imports(captured)))
-        captured = lifted(replace(captured, tree=list_returns(desugar(hoist_definitions(captured.tree)))), function.key)
+        captured = _called_from(unique_names(captured_of(function.handle)), caller, call)
+        captured = shape_assignment(local_imports(captured))
+        captured = replace(captured, tree=list_returns(desugar(captured.tree)))
         report = Report(captured.source)
         self.reports.append(report)
         is_residual = hasattr(function.handle, "captured")
@@ -223,18 +220,6 @@ def unread(captured: Captured, own: RegisteredDerivative) -> Resolved:
         tree.Return(names[0] if len(names) == 1 else tree.tuple_of(*names))]
     definition = tree.function(captured.tree.name, parameters, [tree.at(s, header_of(captured.tree)) for s in body])
     return Resolved(tree.at(definition, captured.tree), tuple(parameters), frozenset({*parameters, *results}))
-
-
-def with_functions(entry: UserFunctionValue) -> UserFunctionValue:
-    """The function without its last parameters whose defaults are functions, which it calls then."""
-    called = tree.call(entry.name)
-    given = {} if GIVEN.own(entry.handle) is not None else by_default(called, entry)
-    made = higher_order(called, entry, given) if given else None
-    if made is None:
-        return entry
-    args = definition(entry).tree.args
-    names = [a.id for a in (*args.posonlyargs, *args.args, *args.kwonlyargs)]
-    return made[0] if set(names[-len(given):]) == set(given) else entry
 
 
 def called_once(program: Program) -> Program:

@@ -9,14 +9,30 @@ does one of a name that the function binds otherwise, too.
 """
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from s2sad import tree
-from s2sad.read.outside_values import AST, Captured, Meaning
-from s2sad.read.lambda_lifting import EnclosingNames
+from s2sad.read.outside_values import AST, Captured, Meaning, Surroundings
 from s2sad.tree import FunctionDef
 
 _IMPORTS = ("Import", "ImportFrom")
+
+
+class _WithImports:
+    """The names around a function, and what it imports itself."""
+
+    def __init__(self, scope: Surroundings, own: Mapping[str, Meaning]):
+        self.scope, self.own = scope, own
+
+    def lookup(self, name: str) -> Meaning | None:
+        return self.own.get(name) or self.scope.lookup(name)
+
+    def known(self) -> list[str]:
+        return [*self.own, *self.scope.known()]
+
+    def imported(self, module: str, level: int, name: str | None) -> Meaning:
+        return self.scope.imported(module, level, name)
 
 
 def local_imports(captured: Captured) -> Captured:
@@ -36,7 +52,7 @@ def local_imports(captured: Captured) -> Captured:
             found |= meanings
     new = tree.copy(function)
     new.body = tree.copy(kept) or [tree.at(tree.Pass(), function)]
-    return replace(captured, tree=new, scope=EnclosingNames(captured.scope, found))
+    return replace(captured, tree=new, scope=_WithImports(captured.scope, found))
 
 
 def _is_import(statement: AST) -> bool:

@@ -85,13 +85,11 @@ class StringValue:
 
 @dataclass(frozen=True)
 class UserFunctionValue:
-    """A function of the user's: `handle` is what `capture` takes, `key` tells one from another; `given` are keywords
-    that every call of it gives, with the names of what it gives."""
+    """A function of the user's: `handle` is what `capture` takes, `key` tells one from another."""
     name: str
     key: Hashable
     path: str
     handle: Any = field(compare=False)
-    given: tuple[tuple[str, str], ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,6 @@ import numpy
 from s2sad import rules, tree
 from s2sad.diagnostics import Report
 from s2sad.read import supported_subset
-from s2sad.read.higher_order import by_default, higher_order
 from s2sad.read.outside_values import (
     AST, BUILTIN_CALLS, Array, Captured, UserFunctionValue, Namespace, Library, Matrix, Meaning, Number, ModuleValue,
     StringValue, Unusable, dotted, library_value,
@@ -206,18 +205,11 @@ class _Resolver(OutsideNames):
         callee = self._function_meant(node.func)
         if not isinstance(callee, UserFunctionValue) or rules.result_kind(callee.path) is not None:
             return None
-        arguments = [*enumerate(node.args), *((k.arg, k.value) for k in node.keywords)]
-        given = {k: f for k, a in arguments if (f := self._function_meant(a)) is not None} | by_default(node, callee)
-        made = higher_order(node, callee, given) if given else None
-        if made is None and not callee.given:
-            return None
-        callee, plain = made or (callee, node)
-        path = self._function(node.func, callee, callee.name, True)
-        captured = [tree.keyword(k, tree.at(tree.name(n), node)) for k, n in callee.given]
-        new = tree.Call(tree.at(tree.name(path), node.func), plain.args, [*plain.keywords, *captured])
-        new.args = [tree.rebuild(a, self.change) for a in new.args]
-        new.keywords = [tree.keyword(k.arg, tree.rebuild(k.value, self.change)) for k in new.keywords]
-        return tree.at(new, node)
+        arguments = [*node.args, *(k.value for k in node.keywords)]
+        for a in arguments:
+            if self._function_meant(a) is not None:
+                self.report.error("S201", "a function is given to a function", a)
+        return None
 
     def _function_meant(self, node: AST) -> UserFunctionValue | Library | None:
         """The function of the user's or of NumPy's or Python's mathematics that a name or path means."""

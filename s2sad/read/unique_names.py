@@ -13,7 +13,7 @@ inner scope keeps its name where nothing else in the function has it. Comes befo
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from s2sad import tree
@@ -153,20 +153,3 @@ def _fresh(wanted: str, known: set[str]) -> str:
         number += 1
     known.add(f"{base}_{number}")
     return f"{base}_{number}"
-
-
-def with_plain_names(definition: FunctionDef, renamed: Mapping[str, str], others: Iterable[str]) -> FunctionDef:
-    """A nested function that has left its surroundings, with its variables' own names again where nothing in it or
-    among others has them."""
-    held = list(dict.fromkeys(n.id for n in tree.walk(definition) if isinstance(n, Name)))
-    taken = {*held, *others, *(n.name for n in tree.walk(definition.body) if isinstance(n, FunctionDef))}
-    back: dict[str, str] = {}
-    for identifier in held:
-        plain = renamed.get(identifier, identifier)
-        if plain not in taken:
-            back[identifier] = plain
-            taken.add(plain)
-    new = tree.rename(definition, back)
-    for inner in (n for n in tree.walk(new.body) if isinstance(n, FunctionDef)):
-        inner.name = back.get(inner.name, inner.name)
-    return new

@@ -27,19 +27,21 @@ refused.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from s2sad.infer.call_types import MARKS
 from s2sad.evaluate.expressions.hoist import impure, operands, replace_operands
 from s2sad.evaluate.scope import KernelScope, atomic
 from s2sad.evaluate.expressions.slice_names import one_by_one
-from s2sad.read.unroll_literals import pairs, written_items
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Expr, For, FunctionDef, GeneratorExp, If,
     IfExp, List, ListComp, Name, Not, Starred, Subscript, Tuple, UnaryOp, While, assign, at, augment, call,
-    call_name, const, copy, head_copy, name, rename, stored_names, substitute, walk, with_body,
+    call_name, const, copy, head_copy, name, rename, stored_names, substitute, tuple_of, walk,
+    with_body,
 )
 
+_LONGEST = 16
+Pairs = list[tuple[str, AST]]
 _STOPPING = {"builtins.any": True, "builtins.all": False}       # what an item is that answers the question
 _ASKED = {"numpy.any": "numpy.any", "numpy.all": "numpy.all", "builtins.max": "numpy.max", "builtins.min": "numpy.min"}
 HELP = "allocate an array before and fill it in a for loop"
@@ -237,3 +239,30 @@ class _Comprehensions:
 def _moved(node: AST) -> bool:
     """Whether an expression has a comprehension, whose loops go before the statement."""
     return any(isinstance(n, (ListComp, GeneratorExp)) for n in walk(node))
+
+
+def written_items(iterable: AST, bound: Collection[str] = ()) -> list[AST]:
+    """What an iterable gives, where that is written out, also through `zip` and `enumerate`, which are not `bound` to
+    anything else; nothing of any other."""
+    if isinstance(iterable, (Tuple, List)):
+        return list(iterable.elts) if len(iterable.elts) <= _LONGEST else []
+    called = (call_name(iterable) or "").removeprefix("builtins.")
+    if called not in ("zip", "enumerate") or called in bound or iterable.keywords or not iterable.args:
+        return []
+    through = [written_items(a, bound) for a in iterable.args]
+    if called == "zip":
+        left = [n for t in through for item in t[min(map(len, through)):] for n in walk(item)]
+        calls = any(isinstance(n, Call) for n in left)      # what is left over is evaluated as well
+        return [tuple_of(*row) for row in zip(*through)] if all(through) and not calls else []
+    return [tuple_of(const(k), i) for k, i in enumerate(through[0])] if len(through) == 1 else []
+
+
+def pairs(target: AST, item: AST) -> Pairs | None:
+    """The names of a target and what each is bound to."""
+    if isinstance(target, Name):
+        return [(target.id, item)]
+    if not isinstance(target, (Tuple, List)) or not isinstance(item, (Tuple, List)) or len(target.elts) != len(
+            item.elts):
+        return None
+    found = [pairs(t, i) for t, i in zip(target.elts, item.elts)]
+    return None if None in found else [pair for row in found if row is not None for pair in row]

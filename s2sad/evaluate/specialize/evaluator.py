@@ -11,7 +11,7 @@ import keyword
 import re
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NoReturn
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source
@@ -19,7 +19,7 @@ from s2sad.diagnostics import Span as Place
 from s2sad.evaluate.specialize.evaluation_state import Cell, Frame, Snapshot
 from s2sad.evaluate.specialize.heap import Heap, Object
 from s2sad.evaluate.specialize.operations import Operations
-from s2sad.evaluate.specialize.signals import OutsideError, Unevaluated
+from s2sad.evaluate.specialize.signals import NOWHERE, Leave, OutsideError, Unevaluated
 from s2sad.evaluate.specialize.values import (
     Conflict, Data, FunctionValue, Iteration, MethodValue, Reference, SliceValue, OpaqueValue, TupleValue,
     Value, constant, parts,
@@ -152,6 +152,15 @@ class Evaluator(Operations):
         if self.emitted > largest:
             raise self.refusal(origin, f"more than {largest} statements are left when what is known is evaluated",
                                help="let loops run over arrays, or make fewer objects")
+
+    def is_sure(self) -> bool:
+        """Whether the kernel comes here whenever it runs."""
+        return not self.guarded and not self.returned
+
+    def raises(self, name: str, arguments: Sequence[AST], node: AST) -> NoReturn:
+        """An exception of the residual program's, which ends this way."""
+        self.emit(tree.Raise(tree.call(self.library(name), *arguments), None), node, True)
+        raise Leave(NOWHERE)
 
     def library(self, path: str) -> str:
         """The residual name of something of a library."""

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate.specialize.control.choices import chosen
 from s2sad.evaluate.specialize.displays import flat
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
@@ -16,7 +17,8 @@ from s2sad.evaluate.specialize.sequences.generators import is_generator
 from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    NONE, ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, ScopeValue, SuperValue, Value,
+    NONE, ClassValue, Data, FunctionChoice, FunctionValue, LibraryValue, MethodValue, Reference, ScopeValue, SuperValue,
+    Value,
 )
 from s2sad.live_objects.registry import GIVEN
 from s2sad.tree import AST
@@ -58,6 +60,8 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
                             f)
     if isinstance(function, ClassValue):
         return ev.constructed(function, args, keywords, node, f)
+    if isinstance(function, FunctionChoice):
+        return _one_of(ev, function.number, function.functions, args, keywords, node, f)
     if isinstance(function, MethodValue):
         if isinstance(function.base, Data) and not isinstance(function.base.known, str):
             made = residual_call(ev, tree.attribute(spelled_base(ev, function.base, node), function.name), args,
@@ -76,6 +80,17 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
         raise ev.refusal(node, f"'{function.name}' is not a function that s2sad knows or can read",
                          help="write out what it does")
     raise ev.refusal(node, f"{ev.kind_of(function)} is called")
+
+
+def _one_of(ev: Evaluator, number: Data, functions: Sequence[Value], args: Sequence[Value],
+            keywords: Mapping[str, Value], node: AST, f: Frame) -> Value:
+    """What the function with a number gives, which is asked for one after the other, from the last on."""
+    last = len(functions) - 1
+    if last == 0:
+        return call(ev, functions[0], args, keywords, node, f)
+    test = Data(tree.at(tree.compare(ev.spelled(number, node), tree.Eq(), tree.const(last)), node))
+    return chosen(ev, test, (lambda: call(ev, functions[last], args, keywords, node, f),
+                             lambda: _one_of(ev, number, functions[:last], args, keywords, node, f)), node, f)
 
 
 def spelled_base(ev: Evaluator, value: Data, node: AST) -> AST:

@@ -39,9 +39,12 @@ class Reached(Exception):
         self.name, self.value, self.is_owned = name, value, is_owned
 
 
+NOWHERE = -1        # the mark of what nothing follows
+
+
 class Leave(Exception):
-    """`break`, `continue`, `return` in code that is written out, or what nothing follows (`mark` is -1): `mark` is the
-    place on the stack of pending work that it goes to."""
+    """`break`, `continue`, `return` in code that is written out, or what nothing follows: `mark` is the place on the
+    stack of pending work that it goes to."""
 
     def __init__(self, mark: int, value: Value | None = None):
         super().__init__(mark)

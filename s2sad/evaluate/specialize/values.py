@@ -113,6 +113,13 @@ class LibraryValue:
 
 
 @dataclass(frozen=True)
+class FunctionChoice:
+    """One of several functions, by a number that only the run knows."""
+    number: Data
+    functions: tuple[Value, ...]
+
+
+@dataclass(frozen=True)
 class MethodValue:
     """A method of a container (or of an array, a string), looked up and not called yet."""
     base: Value
@@ -183,8 +190,8 @@ class Conflict:
     help: str = ""
 
 
-Value = (Data | TupleValue | Reference | FunctionValue | LibraryValue | MethodValue | ClassValue | SuperValue
-         | ObjectValue | ScopeValue | SliceValue | Iteration | OpaqueValue | Conflict)
+Value = (Data | TupleValue | Reference | FunctionValue | LibraryValue | FunctionChoice | MethodValue | ClassValue
+         | SuperValue | ObjectValue | ScopeValue | SliceValue | Iteration | OpaqueValue | Conflict)
 
 
 def constant(value: Any) -> Data:
@@ -215,6 +222,8 @@ def alike(a: Value | None, b: Value | None) -> bool:
             alike(x, y) for (_, x), (_, y) in zip(a.keywords, b.keywords))
     if isinstance(a, MethodValue) and isinstance(b, MethodValue):
         return a.name == b.name and alike(a.base, b.base)
+    if isinstance(a, FunctionChoice) and isinstance(b, FunctionChoice):
+        return len(a.functions) == len(b.functions) and all(map(alike, parts(a), parts(b)))
     return a == b
 
 
@@ -230,6 +239,8 @@ def parts(value: Value) -> tuple[Value, ...]:
                 v for _, v in value.keywords))
     if isinstance(value, MethodValue):
         return (value.base,)
+    if isinstance(value, FunctionChoice):
+        return (value.number, *value.functions)
     return (value.instance,) if isinstance(value, SuperValue) else ()
 
 
@@ -257,6 +268,9 @@ def renamed(value: Value, names: Mapping[str, str]) -> Value:
             (k, renamed(v, names)) for k, v in value.keywords))
     if isinstance(value, MethodValue):
         return replace(value, base=renamed(value.base, names))
+    if isinstance(value, FunctionChoice):
+        number, *functions = (renamed(v, names) for v in parts(value))
+        return replace(value, number=number, functions=tuple(functions))
     return value
 
 

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.infer.types import FLOAT, NONE, Type, array
+from s2sad.infer.types import FLOAT, NONE, TEXT, Type, array
 from s2sad.interface.value_calls import selection_of
 from s2sad.interface.selection import RETURN
 from s2sad.pytree import Form, PyTree, is_held, leaves, subtree, steps
@@ -53,8 +53,9 @@ class FlatSelection:
     def independents(self) -> list[str]:
         """The parameters that a gradient is with respect to by default: structures that hold a float, and
         others by the kernel's text."""
-        return [p for p, form in self.forms.items()
-                if (self.floats(form, p) if isinstance(form, PyTree) else p in self.plain and form != NONE)]
+        return [p for p, form in self.forms.items() if (
+            self.floats(form, p) if isinstance(form, PyTree) else
+            p in self.plain and form not in (NONE, TEXT) and p in self.names)]
 
     def _selected_path(self, name: str, what: str) -> Path:
         keys = steps(name)

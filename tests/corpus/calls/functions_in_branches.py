@@ -127,6 +127,18 @@ def kept(x, a, opt):
     return x[0]
 
 
+def by_values(x, a, opt):
+    if x[0] > 0.2 * opt:
+        g = lambda d: d * a
+    elif x[1] > 1.0:
+        g = np.sin
+    else:
+        def g(d):
+            return d ** 2
+    h = g if x[2] > 0.5 else (lambda d: g(d) ** 2)
+    return h(x).sum() * g(x[0]) * h(x[1])
+
+
 def failing(x):
     raise ValueError("too small")
 
@@ -144,6 +156,9 @@ def cases():
         for opt in (1, 2):
             yield Case(kernel, (X, 1.3, opt), ("x", "a"))
     yield Case(branches, (X, 1.3, 3), ("x", "a"))
+    for opt in (1, 2):
+        yield Case(by_values, (X, 1.3, opt), ("x", "a"))
+    yield Case(by_values, (X[::-1] - 0.4, 1.3, 3), ("x", "a"))
     # sizes and types
     yield Case(handed, (X[:1], 1.3, 1), ("x", "a"))
     yield Case(chosen, (X[:0], 1.3, 2), ("x", "a"))

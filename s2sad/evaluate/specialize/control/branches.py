@@ -12,7 +12,7 @@ from s2sad import tree
 from s2sad.evaluate.specialize.control.choices import boolean_of
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, STATEMENTS, operation, statement
-from s2sad.evaluate.specialize.signals import Leave
+from s2sad.evaluate.specialize.signals import NOWHERE, Leave
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.control.joined_names import Way
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
@@ -20,7 +20,6 @@ from s2sad.evaluate.specialize.control.state_joins import Join
 from s2sad.evaluate.specialize.values import FACTORY, NONE, Data, Reference, TupleValue, Value
 from s2sad.tree import AST
 
-NOWHERE = -1        # the mark of what nothing follows
 Objects = dict[int, Object]
 
 

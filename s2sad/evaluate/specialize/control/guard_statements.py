@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.control.branches import NOWHERE
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, statement
-from s2sad.evaluate.specialize.signals import Leave, Unevaluated
+from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.values import Data, LibraryValue
 from s2sad.tree import AST
 
@@ -72,7 +71,6 @@ def raise_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     else:
         name = meant.path
     text = [_message(ev, exc.args[0], f)] if isinstance(exc, tree.Call) and exc.args else []
-    if not ev.guarded and not ev.returned:
-        raise ev.refusal(s, "this is raised whenever the kernel runs so far")
-    ev.emit(tree.Raise(tree.call(ev.library(name), *[t for t in text if t is not None]), None), s, True)
-    raise Leave(NOWHERE)
+    if not ev.is_sure():
+        ev.raises(name, [t for t in text if t is not None], s)
+    raise ev.refusal(s, "this is raised whenever the kernel runs so far")

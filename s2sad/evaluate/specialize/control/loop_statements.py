@@ -7,13 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.control.branches import NOWHERE
 from s2sad.evaluate.specialize.sequences.cursors import Known
 from s2sad.evaluate.specialize.sequences.generators import is_lazy
 from s2sad.evaluate.specialize.sequences.known_shapes import item_like, like_items
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation, statement
-from s2sad.evaluate.specialize.signals import Leave, Unevaluated
+from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unevaluated
 from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.control.first_iteration import Split, peeled, split_iteration
 from s2sad.evaluate.specialize.control.residual_loops import ResidualLoop

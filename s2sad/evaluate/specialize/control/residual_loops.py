@@ -10,11 +10,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.control.branches import NOWHERE, Objects
+from s2sad.evaluate.specialize.control.branches import Objects
 from s2sad.evaluate.specialize.displays import bound
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
-from s2sad.evaluate.specialize.signals import Leave, Unbound, Unevaluated
+from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unbound, Unevaluated
 from s2sad.evaluate.specialize.heap import Object, uses
 from s2sad.evaluate.specialize.control.joined_names import Way, parallel
 from s2sad.evaluate.specialize.control.state_joins import Join

@@ -16,7 +16,8 @@ from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object, Temporary, uses
 from s2sad.evaluate.specialize.values import (
-    UNKNOWN, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike, count, renamed,
+    UNKNOWN, Conflict, Data, FunctionChoice, FunctionValue, LibraryValue, Reference, SliceValue, TupleValue, Value,
+    alike, constant, count, renamed,
 )
 from s2sad.evaluate.specialize.control.joined_names import Merged, Objects, Way, settled_names
 from s2sad.evaluate.specialize.sparse.matrix_values import KINDS
@@ -138,7 +139,24 @@ class Join:
             return SliceValue(tuple(self.meet([s.parts[k] for s in slices], wanted) for k in range(3)))
         if all(isinstance(v, Reference) for v in values):
             return self._reference(values, wanted)  # pyright: ignore[reportArgumentType]
+        if all(isinstance(v, (FunctionValue, LibraryValue, FunctionChoice)) for v in values):
+            return self._function(values, wanted)
         return Conflict(f"'{wanted}' is one thing on one way and another on another")
+
+    def _function(self, values: Sequence[Value], wanted: str) -> Value:
+        """One of the functions of all ways, with a number that tells which."""
+        choices = [v for v in values if isinstance(v, FunctionChoice)]
+        functions: list[Value] = [*choices[0].functions] if choices else []
+        for v in values:
+            if not isinstance(v, FunctionChoice) and not any(alike(v, known) for known in functions):
+                functions.append(v)
+        if any(len(c.functions) != len(choices[0].functions) or not all(map(alike, c.functions, choices[0].functions))
+               for c in choices):
+            return Conflict(f"'{wanted}' is one of other functions on each way")
+        numbers = [v.number if isinstance(v, FunctionChoice) else constant(
+            next(k for k, known in enumerate(functions) if alike(v, known))) for v in values]
+        number = self.meet(numbers, f"{wanted}_which")
+        return FunctionChoice(number, tuple(functions)) if isinstance(number, Data) else number
 
     def _data(self, values: Sequence[Data], wanted: str) -> Value:
         if any(v.is_known and (v.known is None or isinstance(v.known, str)) and v.is_literal for v in values):

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from s2sad.evaluate.specialize.control.branches import NOWHERE
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
-from s2sad.evaluate.specialize.signals import Leave
+from s2sad.evaluate.specialize.signals import NOWHERE, Leave
 from s2sad.evaluate.specialize.values import LARGEST_SEQUENCE, NONE, Data, Value
 
 

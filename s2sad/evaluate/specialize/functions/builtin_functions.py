@@ -7,11 +7,10 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.control.branches import NOWHERE
 from s2sad.evaluate.specialize.classes.class_lookup import NONE_TYPE
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
-from s2sad.evaluate.specialize.signals import Leave, Unevaluated
+from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins
@@ -229,11 +228,10 @@ def _id(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 
 @function("sys.exit", "builtins.exit", "builtins.quit", "os._exit")
 def _exit(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
-    if not ev.guarded and not ev.returned:
-        raise ev.refusal(node, "the kernel ends here whenever it runs")
     text = [tree.const(args[0].known)] if args and isinstance(args[0], Data) and isinstance(args[0].known, str) else []
-    ev.emit(tree.Raise(tree.call(ev.library("builtins.RuntimeError"), *text), None), node, True)
-    raise Leave(NOWHERE)
+    if not ev.is_sure():
+        ev.raises("builtins.RuntimeError", text, node)
+    raise ev.refusal(node, "the kernel ends here whenever it runs")
 
 
 @function("builtins.sum")

@@ -17,10 +17,9 @@ from typing import Any
 from s2sad import tree
 from s2sad.diagnostics import S2sadError
 from s2sad.evaluate.specialize.assignment import holder_of
-from s2sad.evaluate.specialize.control.branches import NOWHERE
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
-from s2sad.evaluate.specialize.signals import Leave, Unbound, Unevaluated
+from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unbound, Unevaluated
 from s2sad.evaluate.specialize.frames import arguments_of
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.separate.call_view import CallView, NotSeparate

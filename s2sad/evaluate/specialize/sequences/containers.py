@@ -7,6 +7,7 @@ from enum import Enum
 from typing import Any
 
 from s2sad import tree
+from s2sad.diagnostics import S2sadError
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
@@ -74,8 +75,11 @@ def _value(ev: Evaluator, base: Value, held: Object, place: Value, node: AST, f:
         made = ev.call(factory, [], {}, node, f)
         ev.assign_slot(base, key, made, str(key), node)
         return ev.heap[base].items[key]
+    if not ev.is_sure() and isinstance(key, (str, int)):
+        ev.raises("builtins.KeyError", [tree.const(key)], node)
     if held.live is not None:
-        raise ev.missing(node, held.label, f"[{key!r}]", [f"[{k!r}]" for k in held.items])
+        missing = ev.missing(node, held.label, f"[{key!r}]", [f"[{k!r}]" for k in held.items])
+        raise S2sadError(*missing.diagnostics)      # reading knows no keys
     raise ev.refusal(node, f"{ev.subject(base, node)} has no key {key!r}",
                      f"its keys are {', '.join(map(str, held.items))}", "S202")
 
