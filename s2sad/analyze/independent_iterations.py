@@ -12,7 +12,7 @@ from s2sad import rules
 from s2sad.analyze.dependence import ArrayReference
 from s2sad.liveness import base_name
 from s2sad.analyze.recording_plan import RecordingProblem
-from s2sad.analyze.reallocated_arrays import outlives_loop, allocation_loops
+from s2sad.analyze.reallocated_arrays import allocation_loops, is_carried, outlives_loop
 from s2sad.analyze.program_structure import StatementPlace, ProgramStructure, heads, is_simple
 from s2sad.analyze.trip_counts import invariant_trip_counts
 from s2sad.analyze.reverse_values import ReverseValues
@@ -31,7 +31,7 @@ def snapshot_arrays(loop: For, problem: RecordingProblem) -> list[str] | None:
     if any(isinstance(n, Call) and typing.runs_once(n) for n in walk(loop.body)):
         return None
     own = {p.statement.targets[0].id for p in inner if is_allocation(p.statement)}
-    if any(outlives_loop(structure, array) for array in own):
+    if any(outlives_loop(structure, array) or is_carried(structure, array, loop) for array in own):
         return None                                     # the last array's shadow is in use before the loop is reversed
     written = {base_name(t) for p in inner for t in problem.writes(p.statement)} - own
     flowing = [array for array in sorted(written) if not _private(array, loop, inner, problem)]

@@ -1,8 +1,9 @@
 """reallocated_arrays: arrays that a loop allocates anew in every iteration, in a size that may change there.
 
 Requires the structure table; `hoist_allocations` has moved out every allocation whose shape does not change. Such a
-name has one array after another, and is read only after the allocation of the same iteration, or after the loop
-(`resolve_views` refuses the rest). The reverse sweep binds it to each again, last first: before an allocation the
+name has one array after another. It is read only after the allocation of the same iteration, or after the loop; or it
+is allocated before the loop as well, and each iteration begins with the array of the one before (`is_carried`). The
+reverse sweep binds it to each again, last first: before an allocation the
 forward sweep records the size of the array that the name gives up, and its content if that is read. A loop that runs
 forward and back per iteration allocates it again instead.
 """
@@ -12,7 +13,7 @@ from collections.abc import Callable
 
 from s2sad.analyze.program_structure import ProgramStructure, heads
 from s2sad.normalize.loops.hoist_allocations import is_allocation
-from s2sad.tree import AST, Name, walk
+from s2sad.tree import AST, Assign, Name, names, walk
 
 
 def allocations(structure: ProgramStructure, array: str) -> list[AST]:
@@ -32,6 +33,24 @@ def allocation_loops(structure: ProgramStructure, array: str) -> tuple[AST, ...]
         return ()
     shortest = min(found, key=len)
     return tuple(x for k, x in enumerate(shortest) if all(loops[k] is x for loops in found))
+
+
+def is_reallocated(structure: ProgramStructure, array: str, loop: AST | None = None) -> bool:
+    """Whether a loop, or this one, allocates an array."""
+    return any(structure.place(a).loops if loop is None else any(x is loop for x in structure.place(a).loops)
+               for a in allocations(structure, array))
+
+
+def is_carried(structure: ProgramStructure, array: str, loop: AST) -> bool:
+    """Whether an iteration of a loop that allocates an array begins with the one that was there."""
+    return is_reallocated(structure, array, loop) and not any(x is loop for x in allocation_loops(structure, array))
+
+
+def reads_carried(structure: ProgramStructure, statement: Assign) -> bool:
+    """Whether a value is made of an array, or of its size, that is another one where the iteration ends."""
+    loops = structure.place(statement).loops
+    return any(is_carried(structure, n, loop) for n in names(statement.value) if n in structure.bindings
+               for loop in loops)
 
 
 def outlives_loop(structure: ProgramStructure, array: str) -> bool:

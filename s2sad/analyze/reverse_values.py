@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from s2sad.analyze.program_structure import ProgramStructure, is_simple
+from s2sad.analyze.reallocated_arrays import reads_carried
 from s2sad.tree import AST, Assign, If, names
 
 
@@ -62,7 +63,8 @@ class ReverseValues:
             simple = is_simple(merge, self.structure.typing)
             return ReverseValue(name, name, "merge" if simple else "opaque", tuple(bound), merge)
         statement = bound[0]
-        again = isinstance(statement, Assign) and is_simple(statement, self.structure.typing)
+        again = (isinstance(statement, Assign) and is_simple(statement, self.structure.typing)
+                 and not reads_carried(self.structure, statement))
         return ReverseValue(name, name, "expression" if again else "opaque", (statement,), statement)
 
     def _merge(self, bound: list[AST]) -> AST:

@@ -25,7 +25,7 @@ from s2sad.analyze.uses import OperandUses, uses
 from s2sad.infer.inference import Typing
 from s2sad.liveness import base_name, targets
 from s2sad.normalize.loops.hoist_allocations import is_allocation
-from s2sad.tree import AST, Assign, AugAssign, For, FunctionDef, Return, const, index
+from s2sad.tree import AST, Assign, AugAssign, For, FunctionDef, Return, const, index, name
 
 _WORTH = 3  # the forward sweep runs the loop as well if numbers or elements flow: so much less must be recorded
 
@@ -49,7 +49,7 @@ def _problem(context: AnalysisContext) -> RecordingProblem:
 
     def writes(statement: AST) -> list[AST]:
         if is_reallocation(structure, statement):
-            return [index(statement.targets[0], const(...))]
+            return [index(name(base_name(statement.targets[0])), const(...))]
         return calls.writes(statement)
 
     return RecordingProblem(structure, Dependence(structure), lambda s: has_adjoint(s, typing, active), reads_of,

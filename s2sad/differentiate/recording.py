@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from s2sad.liveness import base_name
 from s2sad.analyze.recording_plan import RecordingPlan, Snapshot, Store
-from s2sad.analyze.reallocated_arrays import allocation_loops
+from s2sad.analyze.reallocated_arrays import is_reallocated
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.reverse_values import ReverseValue
 from s2sad.differentiate.tape import Stack, Tape
@@ -42,7 +42,7 @@ class Recording:
         changing = {n for loop in self.structure.place(store.statement).loops for n in stored_names(loop)}
         self.shapes.enter(store.statement)
         fixed = self.shape_of(place)
-        resized = bool(allocation_loops(self.structure, base_name(place)))
+        resized = is_reallocated(self.structure, base_name(place))
         return place.value if fixed is None or resized or changing & set(names(fixed)) else place
 
     def shape_of(self, place: AST) -> AST | None:

@@ -16,7 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from s2sad.liveness import base_name
-from s2sad.analyze.reallocated_arrays import allocation_loops
+from s2sad.analyze.reallocated_arrays import is_reallocated
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.trip_counts import counter, invariant_trip_counts
 from s2sad.differentiate.trip_counters import TripCounters
@@ -73,7 +73,7 @@ class Tape:
         """The stack of the content that a store inside `loops` overwrites: an element, or a region of this shape."""
         kind, array = self.typing.of(place), base_name(place)
         inner, home = self._homes(loops, carried=False)
-        if not kind.is_array or not inner or all(x is not home[0] for x in allocation_loops(self.structure, array)):
+        if not kind.is_array or not inner or not is_reallocated(self.structure, array, home[0]):
             return self.stack(key, array, kind, loops, shape)
         if key not in self.stacks:
             self.stacks[key] = self._make(array, Type("number", kind.dtype), loops, None, ragged=True)

@@ -6,7 +6,7 @@ the guards that were put before. A size that is no such form is a symbol of its 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from s2sad import rules
 from s2sad.infer.affine import Affine
@@ -15,8 +15,8 @@ from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import LAWS, LEAST, ONE, SIZE_ARGUMENTS, Shape, whole_number
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Name,
-    Store, Subscript, While, attribute, call, call_name, children, const, index, name, stored_names, tuple_of, walk,
-    walk_statements,
+    Store, Subscript, While, attribute, call, call_name, children, const, index, name, names, stored_names, tuple_of,
+    walk, walk_statements,
 )
 
 ALLOCATIONS = frozenset({"numpy.empty", "numpy.zeros", "numpy.empty_like", "numpy.zeros_like"})
@@ -136,7 +136,11 @@ class Shapes(RequestedShapes):
 
     def forget(self, statement: AST) -> None:
         """Forgets what is equal to sizes of arrays that a statement, or one inside it, may allocate anew."""
-        for array in self.several & set(stored_names([statement])) if self.several else ():
+        self.forget_sizes(self.several & set(stored_names([statement])) if self.several else ())
+
+    def forget_sizes(self, arrays: Iterable[str]) -> None:
+        """Forgets what is equal to sizes of arrays."""
+        for array in arrays:
             symbols = {s for k in range(self.typing.table[array].rank) for s, _ in self.own_symbol(array, k).terms}
             self.equal = {s: f for s, f in self.equal.items() if symbols.isdisjoint({s, *(t for t, _ in f.terms)})}
 
@@ -193,6 +197,11 @@ def bare_shapes(function: FunctionDef, typing: Typing) -> Shapes:
     allocations = Counter(s.targets[0].id for s in walk_statements(function.body) if isinstance(s, Assign)
                           and isinstance(s.targets[0], Name) and call_name(s.value) in ALLOCATIONS)
     made.several = frozenset(a for a, count in allocations.items() if count > 1)
+    again = made.several & {s.targets[0].id for loop in walk_statements(function.body) if isinstance(loop, (For, While))
+                            for s in walk_statements(loop.body) if isinstance(s, Assign) and isinstance(
+                                s.targets[0], Name) and call_name(s.value) in ALLOCATIONS} if made.several else ()
+    if again:       # the size that a number was bound to may be another one when it is read
+        made.values = {n: None if v is not None and again & {*names(v)} else v for n, v in made.values.items()}
     made.counters = counters_of(function, made.values)
     return made
 

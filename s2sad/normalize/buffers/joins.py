@@ -39,6 +39,7 @@ class Joins(AccessPaths):
     aliases: Aliases
     buffers: dict[str, str]             # of the loop here, by their names
     equalities_at_end: dict[str, Affine]            # what was known of sizes at the end of the last block
+    refilled: list[str]                 # the buffers that have been allocated in other sizes, so far
 
     @abstractmethod
     def statement(self, statement: AST) -> list[AST]:
@@ -66,6 +67,7 @@ class Joins(AccessPaths):
 
     def branch(self, statement: If) -> list[AST]:
         test, before, older = self.resolve(statement.test), dict(self.paths), {*self.depths, *self.parameters}
+        refilled = len(self.refilled)
         first = self.arm(statement.body)
         self.paths = dict(before)
         second = self.arm(statement.orelse)
@@ -76,6 +78,7 @@ class Joins(AccessPaths):
         self.aliases.note_binding(one)
         met = self.join_buffers(statement, (first, second), before, older)
         self.paths = merged(first.paths, second.paths, self.depth > 0) | met
+        self.shapes.forget_sizes(self.refilled[refilled:])
         return [If(test, first.block, second.block)]
 
     def arm(self, block: list[AST]) -> _Arm:

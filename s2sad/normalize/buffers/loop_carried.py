@@ -19,30 +19,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from s2sad.infer.affine import Affine
-from s2sad.infer.signatures.laws import ONE, Shape
+from s2sad.infer.signatures.laws import Shape
 from s2sad.infer.shapes import least_of, shape_expression
 from s2sad.infer.types import array
 from s2sad.normalize.buffers.allocations import ALLOCATING, dtype_of
-from s2sad.normalize.buffers.joins import Joins, merged
+from s2sad.normalize.buffers.joins import merged
 from s2sad.evaluate.completion import FALL, endless, completion
 from s2sad.normalize.shape_guards import positive_step, slice_in_bounds
 from s2sad.normalize.buffers.access_paths import AMBIGUOUS, AccessPath
+from s2sad.normalize.buffers.resized_buffers import ResizedBuffers
 from s2sad.normalize.single_assignment import breaks
 from s2sad.tree import (
-    AST, Assert, Assign, AugAssign, BinOp, Break, Call, For, If, Name, Subscript, While, assign, at, call, call_name,
-    const, copy, dump, index, name, names, stored_names, user_call, walk, walk_statements,
+    AST, Assign, AugAssign, BinOp, Break, Call, For, If, Name, Subscript, While, assign, at, call, call_name,
+    copy, dump, index, name, names, stored_names, user_call, walk, walk_statements,
 )
 
 Tail = dict[str, str]                   # the buffers of a loop, by their names
-CHANGES = "'{}' may change its size from one iteration to the next"
 
 
-class LoopCarried(Joins):
+class LoopCarried(ResizedBuffers):
     """The access paths of names in and after loops."""
     unset: set[str]                     # names of arrays whose flags say that they are bound before they are read
     late_allocated: dict[str, Shape | None]       # buffers of such names in the loops here, and their shapes
-    bound_at: dict[str, AST]            # the statement that has last bound a name of an array
     writes: Callable[[Call], Sequence[int]]
     stored_in_loop: set[str]            # names whose arrays the loop here stores into
     at_breaks: list[dict[str, AccessPath]]  # the access paths of names at the breaks of the loop here
@@ -88,6 +86,8 @@ class LoopCarried(Joins):
             if self.paths.get(n, AMBIGUOUS) != AMBIGUOUS and n in head | after | test:
                 buffers[n], made = self.buffer(n, statement, statement, head | after | test)
                 start += made
+        for n in buffers.keys() & self.resized.keys():
+            self.begin_resizing(n, buffers[n])
         self.aliases.begin_loop(buffers.values(), {*self.depths, *self.parameters}, stored_names(statement))
         self.paths = {n: AMBIGUOUS if n in inside else v for n, v in self.paths.items()}
         self.paths |= {n: (b, ()) for n, b in buffers.items()}
@@ -243,35 +243,6 @@ class LoopCarried(Joins):
             moves.remove(ready)
             made += self.fill(*ready, origin)
         return made
-
-    def fill(self, identifier: str, buffer: str, view: AccessPath, origin: AST) -> list[AST]:
-        place = index(name(buffer), const(...))
-        value = index(name(view[0]), *map(copy, view[1])) if view[1] else name(view[0])
-        if not all(map(self.may_be_equal, self.shapes.of(name(buffer)), self.shapes.of(value))):
-            self.report.error("S201", CHANGES.format(self.free.user_name(identifier)),
-                              self.bound_at.get(identifier, origin),
-                              help="give arrays of different sizes different names, or copy into one: x[...] = ...")
-            return []
-        checks = self.allocations.store_guards(place, value)
-        said = const(CHANGES.format(self.free.user_name(identifier)))
-        checks = [Assert(c.test, said) if isinstance(c, Assert) else c for c in checks]
-        value = self.materialized(place, value, checks, origin)
-        return [*checks, assign(place, value)]
-
-    def may_be_equal(self, filled: Affine | None, size: Affine | None) -> bool:
-        """Whether the size of an array at the end of an iteration may be the one that it had before: it is known to be,
-        or nothing that it is made of changes in the loop."""
-        if filled is None or size is None or size == ONE != filled:
-            return False
-        apart = self.shapes.reduced(size).plus(self.shapes.reduced(filled), -1)
-        if not apart.terms:
-            return apart.constant == 0
-        return self.is_loop_invariant(size)
-
-    def is_loop_invariant(self, size: Affine) -> bool:
-        """Whether a size is made of what is from before the loop."""
-        return all(self.aliases.is_loop_invariant(n, self.typing.table[n].is_array)
-                   for symbol, _ in self.shapes.reduced(size).terms for n in names(self.shapes.atoms[symbol]))
 
 
 def _agreed(ends: list[dict[str, AccessPath]]) -> dict[str, AccessPath]:

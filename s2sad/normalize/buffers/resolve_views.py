@@ -28,13 +28,14 @@ from s2sad.normalize.buffers.may_alias import Aliases
 from s2sad.normalize.buffers.store_hazards import overlaps
 from s2sad.normalize.buffers.loop_carried import LoopCarried
 from s2sad.normalize.buffers.access_paths import AMBIGUOUS, AccessPath, is_whole_place
+from s2sad.normalize.buffers.resized_buffers import Axes, ResizingError
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.shape_guards import shapes_equal, same_size_in_list
 from s2sad.normalize.loops.reduction_loops import is_reduction
 from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Expr, For, FunctionDef, If, Name, Return, Slice, Store,
-    Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, index, indices, is_unset, name,
+    Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, index, indices, is_unset, name, names,
     rebuild, tuple_of, user_call, walk, walk_statements, with_body,
 )
 
@@ -42,7 +43,20 @@ Writes = Callable[[Call], Sequence[int]]
 
 
 def resolve_views(function: FunctionDef, context: NormalContext) -> FunctionDef:
-    """The function with views resolved; refuses what cannot be."""
+    """The function with views resolved; refuses what cannot be. It begins anew where it finds that an array changes its
+    size."""
+    resized: dict[str, Axes] = {}
+    while True:
+        typing, taken = context.typing.copy(), set(context.names.taken)
+        try:
+            return _resolved(function, context, resized)
+        except ResizingError as error:
+            resized = {**resized, error.identifier: error.axes}
+            context.typing = typing
+            context.names.release(*context.names.taken - taken)
+
+
+def _resolved(function: FunctionDef, context: NormalContext, resized: dict[str, Axes]) -> FunctionDef:
     typing, free, report = context.typing, context.names, context.report
     bound = [p.id for p in function.args.args]
     bound += [n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
@@ -52,7 +66,7 @@ def resolve_views(function: FunctionDef, context: NormalContext) -> FunctionDef:
     pass_.parameters = set(pass_.paths)
     pass_.loops, pass_.writes, pass_.lists = context.in_loops, context.written, context.lists
     pass_.bound_at, pass_.unset, pass_.late_allocated, pass_.buffers, pass_.stored_in_loop = {}, set(), {}, {}, set()
-    pass_.at_breaks = []
+    pass_.at_breaks, pass_.resized, pass_.refilled = [], resized, []
     pass_.uses, pass_.aliases = UpcomingUses(function), Aliases(pass_.parameters)
     new = with_body(function, function.body)
     lengths = [shapes_equal(index(attribute(name(p.id), "shape"), const(k)), const(1))
@@ -119,7 +133,11 @@ class _ResolveViews(LoopCarried):
     def number(self, identifier: str, value: AST) -> AST:
         """What a number is bound to; sizes are known over the resolved value, as names of arrays change."""
         if self.shapes.values.get(identifier) is not None:
-            self.shapes.values = {**self.shapes.values, identifier: value}
+            resized = self.shapes.several & {*names(value)}
+            size = self.shapes.size(value) if resized else None
+            self.shapes.values = {**self.shapes.values, identifier: None if resized else value}
+            if size is not None:        # as long as the array has this size
+                self.shapes.unify(self.shapes.symbol(name(identifier)), size)
         return value
 
     def resolved_call(self, value: AST, statement: AST) -> AST:

@@ -136,6 +136,8 @@ class Ticks:
     def __eq__(self, other):
         return self.next() == 2
 
+    __hash__ = None
+
 
 def no_further_than_the_first_that_decides(x):
     a, b, c, d = Ticks(), Ticks(), Ticks(), Ticks()
