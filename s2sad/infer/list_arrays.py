@@ -3,15 +3,21 @@
     us = []                     us = list(us_count)             allocated once the sizes of its rows are known
     us.append(v)                us[:us_count + 1][us_count] = v
 
+Where it is not known how long a list becomes, its array doubles where it is full (`RESERVE`).
+
 Rows that are lists or tuples themselves, and no arrays, are marked as such (`MARKS`).
 """
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-from s2sad.tree import AST, Assign, FunctionDef, Name, Slice, Subscript, call_name, index, walk, walk_statements
+from s2sad.tree import (
+    AST, Assign, Constant, FunctionDef, Name, Slice, Subscript, call_name, const, index, walk, walk_statements,
+)
 
 LISTED = "builtins.list"
+_FIRST = 16
+RESERVE = "builtins.list.reserve"
 MARKS = {"builtins.list.copy": "list", "builtins.tuple": "tuple"}
 
 
@@ -29,6 +35,16 @@ def is_list_allocation(statement: AST) -> bool:
     """Whether a statement allocates an array in place of a list."""
     return (isinstance(statement, Assign) and isinstance(statement.targets[0], Name)
             and call_name(statement.value) == LISTED)
+
+
+def growing_capacity(items: int) -> Constant:
+    """The first size of an array that doubles when it is full: `list(16, True)`."""
+    return const(max(_FIRST, 2 * items))
+
+
+def grows(allocation: Assign) -> bool:
+    """Whether an array in place of a list doubles when it is full."""
+    return len(allocation.value.args) > 1
 
 
 def filled_part(listed: AST, count: AST) -> AST:

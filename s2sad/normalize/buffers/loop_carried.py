@@ -87,7 +87,8 @@ class LoopCarried(ResizedBuffers):
                 buffers[n], made = self.buffer(n, statement, statement, head | after | test)
                 start += made
         for n in buffers.keys() & self.resized.keys():
-            self.begin_resizing(n, buffers[n])
+            self.begin_resizing(buffers[n], self.resized[n])
+        self.shapes.forget_sizes(self.reserved)
         self.aliases.begin_loop(buffers.values(), {*self.depths, *self.parameters}, stored_names(statement))
         self.paths = {n: AMBIGUOUS if n in inside else v for n, v in self.paths.items()}
         self.paths |= {n: (b, ()) for n, b in buffers.items()}

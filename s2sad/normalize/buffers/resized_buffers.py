@@ -17,11 +17,14 @@ from __future__ import annotations
 
 from s2sad.infer.affine import Affine
 from s2sad.infer.signatures.laws import ONE
-from s2sad.infer.types import array
 from s2sad.normalize.buffers.access_paths import AccessPath
+from s2sad.normalize.buffers.allocations import dtype_of
 from s2sad.normalize.buffers.joins import Joins
 from s2sad.normalize.shape_guards import shapes_equal
-from s2sad.tree import AST, Assert, Call, Name, Subscript, assign, children, const, copy, dump, index, name, names
+from s2sad.tree import (
+    AST, Assert, Call, GtE, If, Name, Slice, Subscript, assign, attribute, call, children, compare, const, copy, dump,
+    index, mult, name, names, tuple_of,
+)
 
 Axes = frozenset[int]
 CHANGES = "'{}' may change its size from one iteration to the next"
@@ -38,6 +41,7 @@ class ResizingError(Exception):
 class ResizedBuffers(Joins):
     """How buffers take the content of their names."""
     resized: dict[str, Axes]            # names whose buffers are allocated anew, and the axes that change their size
+    reserved: set[str]                  # the arrays in place of lists that double
     bound_at: dict[str, AST]            # the statement that has last bound a name of an array
 
     def fill(self, identifier: str, buffer: str, view: AccessPath, origin: AST) -> list[AST]:
@@ -61,9 +65,9 @@ class ResizedBuffers(Joins):
         value = self.materialized(place, value, checks, origin)
         return [*checks, assign(place, value)]
 
-    def begin_resizing(self, identifier: str, buffer: str) -> None:
+    def begin_resizing(self, buffer: str, axes: Axes) -> None:
         """From here on a buffer may have other sizes wherever it is filled; nothing is known of them for long."""
-        shapes, axes = self.shapes, self.resized[identifier]
+        shapes = self.shapes
         if buffer not in shapes.several:
             shapes.several |= {buffer}
             shapes.values = {n: None if v is not None and buffer in names(v) else v for n, v in shapes.values.items()}
@@ -74,20 +78,50 @@ class ResizedBuffers(Joins):
     def reallocated(self, identifier: str, buffer: str, value: AST, said: AST, origin: AST) -> list[AST]:
         """The buffer in the size of what it takes."""
         made: list[AST] = []
-        kind = array(self.types[identifier].dtype, self.types[identifier].rank)
+        axes, kind = self.resized[identifier], self.typing.table[buffer]
         if buffer in names(value):
             held = self.typing.declare(self.free.fresh(f"{buffer}_next"), kind)
             made += self.allocations.allocate(held, kind, value, origin)
             value = name(held)
         for k, (old, new) in enumerate(zip(self.shapes.of(name(buffer)), self.shapes.of(value))):
-            if k not in self.resized[identifier] and old is not None and new is not None and old != new:
+            if k not in axes and old is not None and new is not None and old != new:
                 made.append(Assert(shapes_equal(self.shapes.extent(old), self.shapes.extent(new)).test, said))
-        self.begin_resizing(identifier, buffer)
+        self.begin_resizing(buffer, axes)
         sizes = self.shapes.arrays[buffer]
         made += self.allocations.allocate(buffer, kind, value, origin)
         self.shapes.arrays[buffer] = sizes
         self.refilled.append(buffer)
         return made
+
+    def reserve(self, listed: AST, count: AST, origin: AST) -> list[AST]:
+        """An array in place of a list twice as large where it is full; views of it are views of what it is then.
+
+            if us_count >= us.shape[0]:
+                us_full = np.empty_like(us)
+                us_full[...] = us
+                us = np.empty(2 * us.shape[0])
+                us[:us_full.shape[0]] = us_full
+        """
+        path = self.access_path(listed)
+        if path is None:
+            return []
+        buffer, part = path
+        if part:
+            self.report.error("S201", "a list in a list grows where it is not known how long it becomes", origin,
+                              help="give it a name of its own")
+            return []
+        kind = self.typing.table[buffer]
+        full = self.typing.declare(self.free.fresh(f"{buffer}_full"), kind)
+        length, *inner = (index(attribute(name(buffer), "shape"), const(k)) for k in range(kind.rank))
+        copied = self.allocations.allocate(full, kind, name(buffer), origin)
+        self.depths[full] = self.depth
+        self.begin_resizing(buffer, frozenset((0,)))
+        self.refilled.append(buffer)
+        double = mult(const(2), length)
+        return [If(compare(count, GtE(), copy(length)), [
+            *copied, assign(buffer, call("numpy.empty", tuple_of(double, *inner), *dtype_of(kind))),
+            assign(index(name(buffer), Slice(None, index(attribute(name(full), "shape"), const(0)), None)), name(full)),
+        ], [])]
 
     def may_be_equal(self, filled: Affine | None, size: Affine | None) -> bool:
         """Whether the size of an array at the end of an iteration may be the one that it had before: it is known to be,

@@ -22,7 +22,7 @@ from s2sad.infer.signatures.laws import ONE
 from s2sad.infer.shapes import Shapes, single_values
 from s2sad.infer.slice_extents import scattered
 from s2sad.infer.types import array
-from s2sad.infer.list_arrays import stored_list
+from s2sad.infer.list_arrays import RESERVE, stored_list
 from s2sad.normalize.buffers.allocations import loaded
 from s2sad.normalize.buffers.may_alias import Aliases
 from s2sad.normalize.buffers.store_hazards import overlaps
@@ -67,6 +67,8 @@ def _resolved(function: FunctionDef, context: NormalContext, resized: dict[str, 
     pass_.loops, pass_.writes, pass_.lists = context.in_loops, context.written, context.lists
     pass_.bound_at, pass_.unset, pass_.late_allocated, pass_.buffers, pass_.stored_in_loop = {}, set(), {}, {}, set()
     pass_.at_breaks, pass_.resized, pass_.refilled = [], resized, []
+    pass_.growing = {n.args[0].id for n in walk(function.body) if call_name(n) == RESERVE}
+    pass_.reserved = set()
     pass_.uses, pass_.aliases = UpcomingUses(function), Aliases(pass_.parameters)
     new = with_body(function, function.body)
     lengths = [shapes_equal(index(attribute(name(p.id), "shape"), const(k)), const(1))
@@ -85,6 +87,7 @@ class _ResolveViews(LoopCarried):
     """Rewrites the statements of one function."""
     writes: Writes
     lists: Set[str]
+    growing: Set[str]                   # the names of lists whose arrays double
 
     def statement(self, statement: AST) -> list[AST]:
         if isinstance(statement, Assign):
@@ -171,6 +174,9 @@ class _ResolveViews(LoopCarried):
         self.paths[target] = (new, ())
         self.depths[new] = self.depth
         self.typing.declare(new, self.types[target])
+        if target in self.growing:
+            self.begin_resizing(new, frozenset((0,)))
+            self.reserved.add(new)
         return made
 
     def is_gather(self, value: AST) -> bool:
@@ -278,6 +284,8 @@ class _ResolveViews(LoopCarried):
 
     def effect(self, statement: Expr) -> list[AST]:
         value = statement.value
+        if call_name(value) == RESERVE:
+            return self.reserve(value.args[0], self.resolve(value.args[1]), statement)
         if isinstance(value, Call) and isinstance(value.func, Attribute):
             if value.func.attr == "fill":
                 return self.store(index(value.func.value, const(...)), value.args[0], statement)

@@ -15,6 +15,7 @@ from s2sad import rules
 from s2sad.liveness import targets
 from s2sad.diagnostics import Report
 from s2sad.infer.inference import Typing
+from s2sad.infer.list_arrays import RESERVE
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.dtypes.operand_types import OperandTypes
 from s2sad.live_objects.registry import ROOM
@@ -83,7 +84,8 @@ def differentiable(function: FunctionDef, context: NormalContext) -> None:
 
 
 def _visit(node: AST, typing: Typing, report: Report, counted: OperandTypes) -> None:
-    if isinstance(node, (Assert, Raise)) or isinstance(node, Expr) and call_name(node.value) == "builtins.print":
+    if isinstance(node, (Assert, Raise)) or isinstance(node, Expr) and call_name(node.value) in (
+            "builtins.print", RESERVE):
         return
     before = len(report.found)
     method = node.func.value if isinstance(node, Call) and isinstance(node.func, Attribute) else None

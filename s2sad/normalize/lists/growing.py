@@ -11,12 +11,12 @@
 
 Requires resolved names; establishes that there are no comprehensions and no appends. `builtins.list(count)` is an array
 whose type follows from what is stored (`infer`); `list_allocation` allocates it. Before, loops over lists that are
-spelled out are unrolled (`list_iteration`), and comprehensions become loops that append. How often a list can grow must
-be known where it is made (`Capacity`): else it is refused.
+spelled out are unrolled (`list_iteration`), and comprehensions become loops that append. Where it is not known how long
+a list becomes (`Capacity`), its array doubles when it is full.
 """
 from __future__ import annotations
 
-from s2sad.infer.list_arrays import LISTED, MARKS, filled_part, list_arrays
+from s2sad.infer.list_arrays import LISTED, MARKS, filled_part, growing_capacity, list_arrays
 from s2sad.evaluate.loops.comprehensions import HELP, comprehensions, marked
 from s2sad.evaluate.loops.negative_indices import negative_indices, place as index_of
 from s2sad.evaluate.expressions.hoist import impure
@@ -24,11 +24,13 @@ from s2sad.normalize.lists.capacity import Capacity, IndexIntervals, sink_empty_
 from s2sad.normalize.lists.list_contents import COPIED, row_aliases
 from s2sad.evaluate.loops.escaping_lists import escaping_lists, has_sizes, list_repetition
 from s2sad.evaluate.scope import KernelScope
+from s2sad.liveness import base_name, targets
 from s2sad.evaluate.loops.list_iteration import list_iteration
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, List, ListComp,
-    Name, Return, Slice, Store, Subscript, Tuple, USub, UnaryOp, add, assign, at, augment, call, call_name, const,
-    copy, head_copy, index, indices, name, rebuild, rename, stored_names, sub, walk, walk_statements,
+    AST, Add, Assign, Attribute, BoolOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, Gt,
+    IfExp, List, ListComp, Name, Not, Return, Slice, Store, Subscript, Tuple, USub, UnaryOp, add, assign, at, augment,
+    call, call_name, compare, const, copy, head_copy, index, indices, name, names, rebuild, rename, stored_names, sub,
+    walk, walk_statements,
 )
 
 _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
@@ -95,9 +97,10 @@ class _GrowingLists:
         self.tree, self.scope, self.escaping = tree, scope, escaping
         self.intervals, self.capacity = IndexIntervals(tree), Capacity(tree, scope, _appended)
         self.appended = appended        # names that the text appends to, not a comprehension
-        self.as_arrays = _as_arrays(tree)
+        self.as_arrays, self.changed_inside = _as_arrays(tree), _changed_inside(tree)
         self.made: dict[str, Assign] = {}
         self.counts: dict[str, str] = {}
+        self.sizes: dict[str, AST | None] = {}      # how long each becomes; None if that is not known where it is made
 
     def function(self) -> FunctionDef:
         empty = list_arrays(self.tree)
@@ -115,6 +118,7 @@ class _GrowingLists:
                 continue
             self.made[found] = bound[0]
             self.counts[found] = self.scope.fresh(f"{found}_count")
+            self.sizes[found] = self.capacity.of(found, bound[0])
         self.scope.report.finish()
         new = copy(self.tree)
         new.body = self.block(self.tree.body, [])
@@ -137,7 +141,8 @@ class _GrowingLists:
             count = self.counts[appended]
             item = statement.value.args[0]
             item = marked(item)
-            place = self.append_index(appended, loops) or name(count)
+            known = self.sizes.get(appended) is not None
+            place = known and self.append_index(appended, loops) or name(count)
             return [assign(index(name(appended), place), self.read(item)), augment(count, Add(), const(1))]
         target = statement.targets[0] if isinstance(statement, Assign) else None
         if isinstance(target, Subscript) and isinstance(target.value, Name) and target.value.id in self.made:
@@ -145,11 +150,17 @@ class _GrowingLists:
         bound = next((n for n, s in self.made.items() if s is statement), None)
         if bound is not None:
             return self.allocation(bound, statement)
+        if isinstance(statement, For) and {n for s in walk(statement.body) if (n := _appended(s))} & {
+                *names(statement.iter)} & self.made.keys():
+            self.scope.refuse(statement.iter, "a list that grows while it is gone through",
+                              help="write a while loop: while k < len(us)")
         new = head_copy(statement)
         for field in statement._fields:
             inner = getattr(statement, field)
             if field in ("body", "orelse"):
                 setattr(new, field, self.block(inner, [*loops, statement]))
+            elif field == "test":
+                new.test = self.test(inner)
             elif isinstance(inner, AST):
                 setattr(new, field, self.read(inner))
             elif isinstance(inner, list):
@@ -178,23 +189,30 @@ class _GrowingLists:
         first: list[AST] = []
         if bound in self.escaping and not has_sizes(items[0]) and call_name(items[0]) not in MARKS:
             items[0] = self.scope.held(items[0], f"{bound}_first", first)      # whose sizes `list_allocation` takes
-        made: list[AST] = [*first, assign(bound, call(LISTED, self.size(bound, statement)))]
+        size = self.sizes[bound]
+        size = [growing_capacity(len(items)), const(True)] if size is None else [size]
+        made: list[AST] = [*first, assign(bound, call(LISTED, *size))]
         made += [assign(index(name(bound), const(k)), self.read(item)) for k, item in enumerate(items)]
         return [*made, assign(self.counts[bound], const(len(items)))]
-
-    def size(self, listed: str, made: Assign) -> AST:
-        """How long the list can become; what is not known is refused."""
-        found = self.capacity.of(listed, made)
-        if found is None:
-            self.scope.refuse(made, f"how long {listed!r} becomes is not known where it is made", help=HELP)
-        return const(0) if found is None else found
 
     # -- reading -----------------------------------------------------------------------------------------------------
 
     def read(self, node: AST) -> AST:
         return rebuild(node, self.change)
 
+    def test(self, node: AST) -> AST:
+        """A test, in which a list is true if something is in it."""
+        if isinstance(node, Name) and node.id in self.made:
+            return at(compare(name(self.counts[node.id]), Gt(), const(0)), node)
+        if isinstance(node, UnaryOp) and isinstance(node.op, Not):
+            return at(UnaryOp(Not(), self.test(node.operand)), node)
+        if isinstance(node, BoolOp):
+            return at(BoolOp(node.op, list(map(self.test, node.values))), node)
+        return self.read(node)
+
     def change(self, node: AST) -> AST | None:
+        if isinstance(node, IfExp):
+            return at(IfExp(self.test(node.test), self.read(node.body), self.read(node.orelse)), node)
         if isinstance(node, Subscript) and isinstance(node.value, Name) and node.value.id in self.made:
             return self.element(node)
         if call_name(node) == "builtins.len" and isinstance(node.args[0], Name) and node.args[0].id in self.made:
@@ -218,6 +236,8 @@ class _GrowingLists:
     def element(self, node: Subscript) -> AST:
         """An element of a list, counted from the end where its index is negative."""
         place, count = indices(node)[0], name(self.counts[node.value.id])
+        if isinstance(place, Slice) and id(node) in self.as_arrays and id(node) not in self.changed_inside:
+            return at(index(index(name(node.value.id), Slice(None, count, None)), self.read(place)), node)
         if len(indices(node)) > 1 or isinstance(place, Slice):
             self.scope.refuse(node, "a part of a list", help=HELP)
         if isinstance(place, UnaryOp) and isinstance(place.op, USub) and isinstance(place.operand, Constant):
@@ -242,4 +262,14 @@ def _as_arrays(tree: FunctionDef) -> set[int]:
             found.add(id(node.iter))
         elif isinstance(node, Subscript):
             found |= {id(n) for n in indices(node)}
+    return found
+
+
+def _changed_inside(tree: FunctionDef) -> set[int]:
+    """The parts of lists that loops go through which append to these or store into them."""
+    found: set[int] = set()
+    for loop in walk(tree.body):
+        parts = [n for n in walk(loop.iter) if isinstance(n, Subscript)] if isinstance(loop, For) else []
+        changed = {n for s in walk(loop.body) for n in (_appended(s), *map(base_name, targets(s)))} if parts else ()
+        found |= {id(n) for n in parts if base_name(n) in changed}
     return found

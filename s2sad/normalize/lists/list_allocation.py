@@ -22,12 +22,13 @@ into, it is a view or refused (`lists_of_views`).
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Set
 
 from s2sad import rules
+from s2sad.blocks import with_blocks
 from s2sad.diagnostics import Report
 from s2sad.infer.affine import Affine
-from s2sad.infer.list_arrays import has_list_arrays, is_list_allocation, list_arrays, stored_list
+from s2sad.infer.list_arrays import RESERVE, grows, has_list_arrays, is_list_allocation, list_arrays, stored_list
 from s2sad.infer.inference import Typing
 from s2sad.infer.shapes import Shapes, bare_shapes
 from s2sad.infer.signatures.laws import Shape, whole_number
@@ -40,8 +41,9 @@ from s2sad.normalize.lists.list_contents import memory_with_lists
 from s2sad.normalize.lists.list_elements import element_types
 from s2sad.normalize.lists.lists_of_views import lists_of_views
 from s2sad.tree import (
-    AST, Assign, Call, Constant, For, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, add, assign, at,
-    attribute, call, call_name, children, const, copy, index, indices, name, rebuild, times_bound, tuple_of, walk,
+    AST, Assign, Call, Constant, Expr, For, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, add, assign, at,
+    attribute, call, call_name, children, const, copy, index, indices, name, rebuild, times_bound,
+    tuple_of, walk, with_body,
 )
 
 _KEEPING = ("numpy.cumsum", "numpy.cumprod", "numpy.sort")     # of the sizes of their argument, if it has as many axes
@@ -58,7 +60,26 @@ def list_allocation(function: FunctionDef, context: NormalContext) -> FunctionDe
     element_types(function, typing, writes, report)
     function = lists_of_views(function, typing, memory, writes, report)
     pass_ = _ListAllocation(function, typing, report)
-    return rebuild(function, pass_.change)
+    growing = {n for n, made in list_arrays(function).items() if grows(made)}
+    return rebuild(with_reserves(function, growing), pass_.change)
+
+
+def with_reserves(function: FunctionDef, growing: Set[str]) -> FunctionDef:
+    """The function in which arrays that double make room before what is appended.
+
+        us[us_count] = v        reserve(us, us_count)
+                                us[us_count] = v
+    """
+    def block(statements: list[AST]) -> list[AST]:
+        return [new for s in statements for new in (*reserve(s), with_blocks(s, block))]
+
+    def reserve(statement: AST) -> list[AST]:
+        target = statement.targets[0] if isinstance(statement, Assign) else None
+        if isinstance(target, Subscript) and isinstance(target.value, Name) and isinstance(
+                target.slice, Name) and target.value.id in growing:
+            return [at(Expr(call(RESERVE, name(target.value.id), copy(target.slice))), statement)]
+        return []
+    return with_body(function, block(function.body)) if growing else function
 
 
 class _ListAllocation:

@@ -244,10 +244,6 @@ def cases():
     # read when python reads it
     for kernel in KERNELS:
         yield Case(kernel, arguments(), ("x", "y", "a"))
-    for kernel in (made_in_another_trip, made_in_the_first_trip):
+    for kernel in (made_in_another_trip, made_in_the_first_trip, too_long_for_its_list, longer_every_time,
+                   longer_by_a_call, longer_by_a_function):
         yield Case(kernel, (arguments()[0], np.array([2, 3])), "x")
-    # a list whose length changes is refused
-    for kernel in (too_long_for_its_list, longer_every_time, longer_by_a_call, longer_by_a_function):
-        yield Case(kernel, (arguments()[0], np.array([2, 3])), "x", refused=(
-            "S201 at `us = [x[0]]`: how long 'us' becomes is not known where it is made: allocate an array "
-            "before and fill it in a for loop"))

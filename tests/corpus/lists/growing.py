@@ -182,13 +182,11 @@ def cases():
     yield Case(unknown_length, (np.array([0.7, 1.3, 0.4]),), "x")
     yield Case(removed, (np.array([0.7, 1.3, 0.4]),), "x")
     yield Case(not_copied, (np.array([[1.5, 0.3], [0.7, 2.0]]),), "x")
+    yield Case(rebound_length, (np.array([0.7, 1.3, 0.4]), 1), ("x",))
     yield Case(part_from_the_end, (np.array([0.7, 1.3, 0.4]), 2), ("x",))
     for kernel, refused in (
             (repeated,
              "S201 at `out`: the list 'out' is used as a list: make it an array with np.array"),
             (joined,
-             "S201 at `out`: the list 'out' is used as a list: make it an array with np.array"),
-            (rebound_length,
-             "S201 at `out = []`: how long 'out' becomes is not known where it is made: allocate an array before and "
-             "fill it in a for loop")):
+             "S201 at `out`: the list 'out' is used as a list: make it an array with np.array")):
         yield Case(kernel, (np.ones(3), 2)[:kernel.__code__.co_argcount], "x", refused=refused)

@@ -11,6 +11,9 @@ from s2sad.evaluate.specialize.signals import NOWHERE, Leave
 from s2sad.evaluate.specialize.values import LARGEST_SEQUENCE, NONE, Data, Value
 
 
+_MOST_EXITS = 64        # of a `while`, at each of which the run may leave it
+
+
 # -- loops that are written out --------------------------------------------------------------------------------------
 @operation
 def unrolled(ev: Evaluator, s: Any, cursor: Any, f: Frame, bind: Callable[[Value], None]) -> None:
@@ -63,9 +66,12 @@ class WhileCursor:
     """The rounds of a `while` whose test is known."""
 
     def __init__(self, ev: Evaluator, s: Any, f: Frame):
-        self.ev, self.s, self.f = ev, s, f
+        self.ev, self.s, self.f, self.depth = ev, s, f, len(ev.guarded)
 
     def next(self) -> tuple[Value, WhileCursor] | None:
+        if len(self.ev.guarded) - self.depth > _MOST_EXITS:
+            raise self.ev.refusal(self.s, "only the run knows when this loop ends, of which something must be known "
+                                  "before it", help="let it run over arrays and numbers")
         test = self.ev.test_of(self.s.test, self.f)
         if isinstance(test, Data):
             raise self.ev.unknown(self.s.test, "the test of a loop that must be written out is not known", test)
