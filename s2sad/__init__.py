@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         gradient as gradient, jvp as jvp, make_zero as make_zero, value_and_gradient as value_and_gradient,
         vjp as vjp,
     )
+    from s2sad.interface.loop_marks import timesteps as timesteps
     from s2sad.custom.user_rules import nondifferentiable as nondifferentiable, rule as rule
     from s2sad.report.bench import Bench as Bench, bench as bench
     from s2sad.report.check import Checked as Checked, check as check
@@ -39,6 +40,7 @@ _HOMES = {
     "report.bench": ("Bench", "bench"),
     "report.check": ("Checked", "check"),
     "report.explain": ("Explanation", "explain"),
+    "interface.loop_marks": ("timesteps",),
     "interface.drivers": ("gradient", "jvp", "make_zero", "value_and_gradient", "vjp"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
@@ -46,7 +48,7 @@ __all__ = [
     "Active", "BatchDuplicated", "Bench", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed",
     "Explanation", "Forward", "ForwardWithPrimal", "Reverse", "ReverseWithPrimal", "S2sadError", "S2sadWarning",
     "autodiff", "bench", "check", "differentiate", "explain", "gradient", "jvp", "make_zero", "nondifferentiable",
-    "rule", "value_and_gradient", "vjp",
+    "rule", "timesteps", "value_and_gradient", "vjp",
 ]
 
 

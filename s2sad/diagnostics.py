@@ -36,6 +36,7 @@ CODES = {
     "S405": "an argument that does not fit its parameter",
     "S406": "an active value is stored where no derivative is kept",
     "S407": "what was asked for cannot be written",
+    "S408": "checkpoint names what is no loop, or one that cannot keep snapshots",
     # S5: while the kernel runs
     "S501": "values that do not fit each other, as sizes of arrays",
     # S9: ourselves

@@ -11,7 +11,7 @@ shown the tree under the pass's name: `s2sad stages` prints what it sees.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
@@ -33,7 +33,10 @@ def unwatched(stage: str, function: FunctionDef) -> None:
 
 
 class Callees(Protocol):
-    """The functions that calls call, each made when it is first called for."""
+    """The functions that calls call, each made when it is first called for; `checkpoints` are the places of loops that
+    keep snapshots, with how many, `outlined_at` the places of loops that were looked at."""
+    checkpoints: Mapping[tuple[str, int, int], int]
+    outlined_at: set[tuple[str, int, int]]
 
     def unit(self, kernel: str, types: tuple[Type, ...], pairs: tuple[tuple[int, int], ...] = ()) -> Any: ...
     def of_call(self, called: Call, typing: Typing) -> Any: ...
@@ -41,6 +44,8 @@ class Callees(Protocol):
     def call_writes(self, node: Call) -> list[str]: ...
     def written_in(self, tree: FunctionDef) -> set[str]: ...
     def runs_once(self, node: Call) -> bool: ...
+    def has_state(self, node: Call) -> bool: ...
+    def outlined(self, kernel: Kernel, context: Any, loop: Any) -> str: ...
 
 
 @dataclass(kw_only=True)

@@ -12,6 +12,8 @@ Each room opens with its passes in the order in which they run.
 """
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 from s2sad import optimize
@@ -40,13 +42,14 @@ from s2sad.naming import Names
 from s2sad.passes import Watch, run, unwatched
 from s2sad.simplify import DerivativeContext
 from s2sad.tree import Call, FunctionDef, call_name, names, user_call, walk
-from s2sad.units import UnitDerivative, Unit, Units
+from s2sad.units import Place, UnitDerivative, Unit, Units, check_outlined, loops_that_keep
 
 __all__ = ["EntrySummary", "derive", "summary"]
 
 
-Forms = dict[tuple[str, tuple[Type, ...]], tuple[Units, Unit]]
-"""The normal forms of one program: its units and that of its entry, by engine and types."""
+Forms = dict[tuple[Any, ...], tuple[Units, Unit]]
+"""The normal forms of one program: its units and that of its entry, by engine and types, and the loops that keep
+snapshots if there are such."""
 
 
 @deep_stack
@@ -72,7 +75,8 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     `watch(stage, function)` is shown every function after every pass; `forms` are the program's normal forms that were
     made before, and take those that are made now.
     """
-    units, unit = entry(program, request.types, request.engine, watch, forms)
+    keep = loops_that_keep(program, request.checkpoint) if request.mode == "adjoint" else {}
+    units, unit = entry(program, request.types, request.engine, watch, forms, keep)
     if request.engine == "numba":
         compilable(units)
     if request.mode == "primal":
@@ -191,12 +195,20 @@ def with_caller_tape(derived: UnitDerivative, function: FunctionDef, units: Unit
 
 
 def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch = unwatched,
-          forms: Forms | None = None) -> tuple[Units, Unit]:
-    """The units of a program and the one of its entry; arrays from outside have become parameters."""
+          forms: Forms | None = None, keep: Mapping[Place, int] = MappingProxyType({})) -> tuple[Units, Unit]:
+    """The units of a program and the one of its entry; arrays from outside have become parameters. The loops at the
+    places `keep` keep snapshots."""
     made = {} if forms is None else forms
     if program.refused is not None:
         raise program.refused       # it waits for what it is given
-    if (engine, types) not in made:
+    key = (engine, types, *sorted(keep.items()))
+    if keep:
+        entry(program, types, engine, forms=made)
+        if key not in made:
+            read = residual(program, types, program.evaluated[types]) if types in program.evaluated else program
+            made[key] = normal_form(read, types, engine, watch, keep)
+            check_outlined(program, keep, made[key][0].outlined_at)
+    elif (engine, types) not in made:
         if engine != "numpy" and program.function is not None:
             entry(program, types, "numpy", forms=made)      # which says what the program is, for all engines
         try:
@@ -206,31 +218,23 @@ def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch =
                 made[engine, types] = normal_form(program, types, engine, watch)
         except S2sadError as refused:
             made[engine, types] = evaluated_form(program, types, engine, watch, refused)
-    units, unit = made[engine, types]
+    units, unit = made[key]
     return units.without_derivatives(), unit
 
 
-def normal_form(program: Program, types: tuple[Type, ...], engine: str, watch: Watch) -> tuple[Units, Unit]:
+def normal_form(program: Program, types: tuple[Type, ...], engine: str, watch: Watch,
+                keep: Mapping[Place, int] = MappingProxyType({})) -> tuple[Units, Unit]:
     """The units of a program, and that of its entry for arguments of these types."""
     program = specialize_options(global_arrays(program))
-    units = Units(program, engine, watch=watch)
+    units = Units(program, engine, watch=watch, checkpoints=keep)
     return units, units.unit(program.entry, types + tuple(of_value(a) for a in program.arrays.values()))
 
 
 def evaluated_form(program: Program, types: tuple[Type, ...], engine: str, watch: Watch, refused: S2sadError
                    ) -> tuple[Units, Unit]:
     """The same of the residual program, where what is read is refused; raises what was refused if this is, too."""
-    wrong_argument = refused.diagnostics[0].code == "S405"
-    if program.function is None or program.refused is not None or wrong_argument:
-        raise refused
+    made = residual(program, types, refused)
     try:
-        with recording(program.guards):
-            residual = specialize(program.function, dict(zip(program.kernels[program.entry].parameters, types)), {},
-                                  inlines=True)
-            made = of_captured(residual, program.function)
-        arrays = list(made.arrays.values()) == list(program.arrays.values())
-        if not arrays or residual.result is not None or len(residual.paths) != len(types):
-            raise refused
         found = normal_form(made, types, engine, watch)
     except DemandedFacts:
         raise WaitingForFacts(*refused.diagnostics) from None
@@ -238,6 +242,26 @@ def evaluated_form(program: Program, types: tuple[Type, ...], engine: str, watch
         raise refused from None
     program.evaluated[types] = refused
     return found
+
+
+def residual(program: Program, types: tuple[Type, ...], refused: S2sadError) -> Program:
+    """The residual program for arguments of these types; raises what was refused if there is none."""
+    wrong_argument = refused.diagnostics[0].code == "S405"
+    if program.function is None or program.refused is not None or wrong_argument:
+        raise refused
+    try:
+        with recording(program.guards):
+            found = specialize(program.function, dict(zip(program.kernels[program.entry].parameters, types)), {},
+                               inlines=True)
+            made = of_captured(found, program.function)
+    except DemandedFacts:
+        raise WaitingForFacts(*refused.diagnostics) from None
+    except S2sadError:
+        raise refused from None
+    arrays = list(made.arrays.values()) == list(program.arrays.values())
+    if not arrays or found.result is not None or len(found.paths) != len(types):
+        raise refused
+    return made
 
 
 def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:

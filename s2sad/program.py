@@ -142,7 +142,7 @@ class Request:
 
     `wrt` and `of` are names of parameters; `of` may hold "return". `engine` is "numpy" or "numba", `level`
     "plain" or "fast". `with_primal` also returns the primal's result. `assumed` has a reason for every parameter whose
-    type is an assumption.
+    type is an assumption; `checkpoint` has the loops that keep snapshots, as the user calls them, and how many.
     """
     mode: str
     types: tuple[Type, ...]
@@ -153,6 +153,7 @@ class Request:
     with_primal: bool = False
     standalone: bool = False
     assumed: tuple[tuple[str, str], ...] = ()
+    checkpoint: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True)

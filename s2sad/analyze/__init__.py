@@ -33,13 +33,16 @@ def backwards_in_loops(context: AnalysisContext) -> bool:
     return backwards(context) and context.in_loops
 
 
-PASSES: Passes = (
+ACTIVITY: Passes = (
     Pass(program_structure),
     Pass(activity),
     Pass(unsupported_derivatives),
     Pass(unbounded_values),
+)
+PASSES: Passes = (
+    *ACTIVITY,
     Pass(to_be_recorded, when=backwards),
     Pass(commuting_iterations, when=backwards_in_loops),
 )
 
-__all__ = ["PASSES", "AnalysisContext", "backwards"]
+__all__ = ["ACTIVITY", "PASSES", "AnalysisContext", "backwards"]

@@ -29,7 +29,7 @@ class CalleeDerivative:
 
     Of a user's own adjoint `forward` is the name of its first half, which returns the `results` and one more, that the
     call takes as its last argument. An implicit function's sees the state that the function leaves (`after`), and takes
-    the results `values`.
+    the results `values`. The adjoint of a loop that keeps snapshots (`is_loop`) has a first half of its own.
     """
     name: str
     shadows: tuple[int, ...]
@@ -41,6 +41,7 @@ class CalleeDerivative:
     results: int = 0
     after: bool = False
     values: tuple[int, ...] = ()
+    is_loop: bool = False
 
 
 Derive = Callable[[ActivityPattern], CalleeDerivative]

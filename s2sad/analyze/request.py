@@ -7,8 +7,10 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class DerivativeRequest:
     """Which parameters and results: `wrt` and `of` by name ("return 0", ... for results); `unbounded` as in
-    `callee_derivatives.ActivityPattern`."""
+    `callee_derivatives.ActivityPattern`; if it `accumulates`, the shadows of numbers are given, and returned with what
+    is added to them."""
     wrt: tuple[str, ...]
     of: tuple[str, ...]
     with_primal: bool = False
     unbounded: frozenset[str] = frozenset()
+    accumulates: bool = False

@@ -35,7 +35,7 @@ from s2sad.run import store
 from s2sad.run.compiled import chosen
 from s2sad.pytree import Form
 from s2sad.run.tracebacks import internal
-from s2sad.interface.selection import selected_of, selected_wrt
+from s2sad.interface.selection import checkpoints_of, selected_of, selected_wrt
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -180,7 +180,8 @@ def _request(parser: argparse.ArgumentParser, program: Program, options: argpars
     engine = chosen("auto") if options.engine == "auto" else options.engine
     mode = "tangent" if options.command == "tangent" else getattr(options, "mode", "adjoint")
     reasons = tuple((p, found[p].reason) for p in kernel.parameters if found[p].reason)
-    request = Request(mode, types, wrt, of, engine, options.level, standalone=options.standalone, assumed=reasons)
+    request = Request(mode, types, wrt, of, engine, options.level, standalone=options.standalone, assumed=reasons,
+                      checkpoint=_checkpoint_option(parser, options.checkpoint))
     return program, request, found, paths
 
 
@@ -194,6 +195,17 @@ def _values(program: Program, options: argparse.Namespace) -> dict[str, Any]:
 
 def _listed(names: str | None) -> tuple[str, ...] | None:
     return None if names is None else tuple(n.strip() for n in names.split(",") if n.strip())
+
+
+def _checkpoint_option(parser: argparse.ArgumentParser, text: str | None) -> tuple[tuple[str, int], ...]:
+    """What `--checkpoint "k=20, advance.k=10"` says."""
+    found = {}
+    for part in _listed(text) or ():
+        loop, sign, snapshots = part.rpartition("=")
+        if not sign or not snapshots.strip().isdecimal():
+            parser.error(f"--checkpoint: '{part}' is not LOOP=NUMBER, as k=20, advance.k=20 or line 14=20")
+        found[loop.strip()] = int(snapshots)
+    return checkpoints_of(found)
 
 
 def _types_option(parser: argparse.ArgumentParser, text: str) -> Said:

@@ -63,7 +63,7 @@ class _Adjoint(Shadows):
         self.tape = Tape(self.structure, self.typing, self.free, self.plan.rerun,
                          TripCounters(self.structure, self.plan, self.free))
         self.shapes = shapes_of(self.structure.function, self.typing)
-        self.halves = SplitAdjoints(self.typing, self.active, self.free, self.derive, self.bounds)
+        self.halves = SplitAdjoints(self.structure, self.active, self.free, self.derive, self.bounds)
         self.sweeps = Sweeps(self.structure, self.plan, self.tape, self.free, self.statement, self.zeros, self.shapes,
                              context.family, self.halves.forward_call)
         self.pullback = Pullback(self.typing, self.active, self.free, self.bind, self.shapes,
@@ -116,7 +116,8 @@ class _Adjoint(Shadows):
                 held = [assign(self.bind("value", result), result)]
                 result = name(held[0].targets[0].id)
             closing = [Return(tuple_of(result, *values))]
-        zeros = [assign(self.shadow(p), const(0.0)) for p in returned if p not in self.active]
+        zeros = [assign(self.shadow(p), const(0.0)) for p in returned
+                 if p not in self.active and not self.request.accumulates]
         body = [comment("forward sweep"), *self.halves.stacks(), *forward, *held, *self.seeds_fit(), comment(REVERSE),
                 *zeros, *reverse, *last, *closing]
         made = function(title, [n for n, _, _ in signature], body)
@@ -133,7 +134,8 @@ class _Adjoint(Shadows):
         for parameter in self.parameters:
             signature.append((parameter, "primal", parameter))
             kind = self.typing.table[parameter]
-            if kind.is_array and kind.is_inexact and {parameter} & {*self.request.wrt, *self.request.of}:
+            shown = {*self.request.wrt, *self.request.of} if kind.is_array or self.request.accumulates else ()
+            if kind.is_inexact and parameter in shown:
                 signature.append((self.shadow(parameter), "shadow", parameter))
         results = [o for o in self.request.of if o.startswith("return ")]
         single = self.results_count() == 1
@@ -270,16 +272,18 @@ class _Adjoint(Shadows):
         args += [name(self.shadow(bound[k])) for k in callee.seeds]
         made: list[AST] = []
         if callee.forward:
-            made.append(self.halves.pop(statement))
+            made += self.halves.pop(statement)
             args.append(name(self.halves.saved_state(statement).value))
-        returned = [self.typing.declare(self.free.fresh("gain"), self.typing.of(statement.value.args[position]))
+        returned = [base_name(self.place(statement.value.args[position])) if position in callee.shadows else
+                    self.typing.declare(self.free.fresh("gain"), self.typing.of(statement.value.args[position]))
                     for position in callee.returns]
         called = call(callee.name, *args)
         made.append(assign(tuple_of(*map(name, returned)), called) if returned else Expr(called))
         made += [assign(self.shadow(b), const(0.0)) for b in bound
                  if b in self.active and len(self.structure.bindings[b]) > 1]
         for held, position in zip(returned, callee.returns):
-            made.append(augment(self.place(statement.value.args[position]), Add(), name(held)))
+            if position not in callee.shadows:
+                made.append(augment(self.place(statement.value.args[position]), Add(), name(held)))
         return made
 
 

@@ -10,7 +10,8 @@ from s2sad.tree import AST, FunctionDef
 @dataclass
 class Derivative:
     """A derivative: the function, the shadow of every name, its parameters as (name, role, primal), its returns; the
-    lists of what a user's first halves keep, each with the call; the arrays that sum what shadows gain."""
+    lists of what a user's first halves keep, each with the call; the arrays that sum what shadows gain; of a loop that
+    keeps snapshots, the arrays of these, each with what it keeps, and how many."""
     function: FunctionDef
     shadows: dict[str, str]
     parameters: list[tuple[str, str, str]] = field(default_factory=list)
@@ -18,3 +19,5 @@ class Derivative:
     tape: Tape | None = None
     kept: list[tuple[str, AST]] = field(default_factory=list)
     sums: set[str] = field(default_factory=set)
+    snapshots: dict[str, str] = field(default_factory=dict)
+    rows: AST | None = None

@@ -71,6 +71,8 @@ class Shadows:
         made: list[AST] = []
         for used in self.scopes.get(id(block), []):
             kind = self.typing.table[used]
+            if self.request.accumulates and used in self.request.wrt:
+                continue
             if kind.is_number and kind.is_inexact:
                 made.append(assign(self.shadow(used), const(0.0)))
             elif kind.is_array and (used not in self.parameters or used not in (*self.request.wrt, *self.request.of)

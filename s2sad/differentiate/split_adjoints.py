@@ -1,5 +1,6 @@
-"""split_adjoints: calls whose adjoint a user gave in two halves. The state that the first saves, of any type, is on a
-list of the call's own, from which the second takes it.
+"""split_adjoints: calls whose adjoint is in two halves, a user's own or that of a loop which keeps snapshots. What the
+first saves, of any type, is on a list of the call's own, from which the second takes it; where the call runs once it
+has a name.
 
     y = f(u, t)                     y, kept = f_forward(u, t)
                                     kept_stack.append(kept)
@@ -12,9 +13,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from s2sad.liveness import targets
+from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.unbounded_values import UnboundedValues
 from s2sad.analyze.callee_derivatives import Derive, is_kernel_call, activity_pattern
-from s2sad.infer.inference import Typing
 from s2sad.infer.types import UNKNOWN
 from s2sad.naming import Names
 from s2sad.tree import AST, Expr, assign, call, copy, name, tuple_of
@@ -25,7 +26,7 @@ EMPTY, PUSH, POP = "builtins.list", "builtins.list.append", "builtins.list.pop"
 
 @dataclass(frozen=True)
 class SavedState:
-    """What a first half saves: the list that it is on, and its name."""
+    """What a first half saves: the list that it is on ("" for none), and its name."""
     stack: str
     value: str
 
@@ -33,16 +34,20 @@ class SavedState:
 class SplitAdjoints:
     """The lists of one adjoint, by the calls that they belong to."""
 
-    def __init__(self, typing: Typing, active: frozenset[str], free: Names, derive: Derive, bounds: UnboundedValues):
-        self.typing, self.active, self.free, self.derive, self.bounds = typing, active, free, derive, bounds
+    def __init__(self, structure: ProgramStructure, active: frozenset[str], free: Names, derive: Derive,
+                 bounds: UnboundedValues):
+        self.structure, self.typing = structure, structure.typing
+        self.active, self.free, self.derive, self.bounds = active, free, derive, bounds
         self.made: dict[int, SavedState] = {}
         self.calls: dict[int, AST] = {}
 
     def saved_state(self, statement: AST) -> SavedState:
         """The names for what the first half of a call's adjoint saves."""
         if id(statement) not in self.made:
-            made = SavedState(*(self.typing.declare(self.free.fresh(n), UNKNOWN) for n in ("kept_stack", "kept")))
-            self.made[id(statement)], self.calls[id(statement)] = made, statement
+            repeated = bool(self.structure.place(statement).inside)
+            stack = self.typing.declare(self.free.fresh("kept_stack"), UNKNOWN) if repeated else ""
+            self.made[id(statement)] = SavedState(stack, self.typing.declare(self.free.fresh("kept"), UNKNOWN))
+            self.calls[id(statement)] = statement
         return self.made[id(statement)]
 
     def forward_call(self, statement: AST) -> list[AST]:
@@ -59,18 +64,23 @@ class SplitAdjoints:
             unread = [self.typing.declare(self.free.fresh("unread"), UNKNOWN) for _ in range(callee.results)]
             held = [*map(name, unread), *held]
         called = call(callee.forward, *map(copy, statement.value.args))
-        return [assign(held[0] if len(held) == 1 else tuple_of(*held), called),
-                Expr(call(PUSH, name(kept.stack), name(kept.value)))]
+        push: list[AST] = [Expr(call(PUSH, name(kept.stack), name(kept.value)))] if kept.stack else []
+        return [assign(held[0] if len(held) == 1 else tuple_of(*held), called), *push]
 
-    def pop(self, statement: AST) -> AST:
+    def pop(self, statement: AST) -> list[AST]:
         """The pop of what a call's first half saved."""
         kept = self.saved_state(statement)
-        return assign(kept.value, call(POP, name(kept.stack)))
+        return [assign(kept.value, call(POP, name(kept.stack)))] if kept.stack else []
 
     def stacks(self) -> list[AST]:
         """The statements that make the lists."""
-        return [assign(k.stack, call(EMPTY)) for k in self.made.values()]
+        return [assign(k.stack, call(EMPTY)) for k in self.made.values() if k.stack]
 
     def lists(self) -> list[tuple[str, AST]]:
-        """The lists, each with its call."""
-        return [(kept.stack, self.calls[key]) for key, kept in self.made.items()]
+        """The lists of what users' functions keep, or the names of that, each with its call."""
+        return [(kept.stack or kept.value, self.calls[key]) for key, kept in self.made.items()
+                if not self.is_loop(self.calls[key])]
+
+    def is_loop(self, statement: AST) -> bool:
+        """Whether a call is of a loop that keeps snapshots."""
+        return self.derive(activity_pattern(statement, self.typing, self.active, self.bounds.adjoint_boundary)).is_loop

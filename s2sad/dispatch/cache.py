@@ -264,7 +264,7 @@ class ProgramVersion:
         with COMPILER_LOCK:
             if key not in self._variants:
                 request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
-                                  request.with_primal)
+                                  request.with_primal, checkpoint=request.checkpoint)
                 generated = artifacts.load_generated(self.reading.address, request)
                 if generated is None:
                     with Working(f"deriving the {request.mode} of '{self.kernel.name}'"):

@@ -12,7 +12,7 @@ from s2sad.liveness import base_name
 from s2sad.differentiate.tape import Stack
 from s2sad.emit.layout import text
 from s2sad.emit.origins import text_of
-from s2sad.tree import AST, Attribute, Name, Tuple, attribute, const, mult, rename, stored_names, walk
+from s2sad.tree import AST, Attribute, Name, Tuple, attribute, const, mult, name, rename, stored_names, walk
 from s2sad.units import UnitDerivative
 
 
@@ -50,6 +50,8 @@ class StackEntry:
 
 def recorded_by(derived: UnitDerivative) -> list[StackEntry]:
     """The stacks of one derivative, in the order in which they were made; none for a tangent."""
+    if derived.unit.loop is not None and derived.plan is not None:
+        return [_snapshot(derived, s, n) for s, n in derived.made.snapshots.items()]
     if derived.made.tape is None or derived.plan is None:
         return []
     present = {n.id for n in walk(derived.function.body) if isinstance(n, Name)}
@@ -111,6 +113,18 @@ def _recorded(derived: UnitDerivative, key: str, stack: Stack) -> StackEntry:
         readers = readers or (statement,)
     return StackEntry(stack.array, variable, what, stack.kind.dtype, statement, readers, _factors(stack),
                       stack.grows, family)
+
+
+def _snapshot(derived: UnitDerivative, stack: str, variable: str) -> StackEntry:
+    """The states that a loop keeps of an array or a number."""
+    unit, loop = derived.unit, derived.unit.loop
+    assert loop is not None and derived.made.rows is not None
+    kind, family = unit.typing.table[variable], unit.family
+    cells = [attribute(name(variable), "size")] if kind.is_array else []
+    each = np.dtype(kind.dtype).itemsize
+    said = text_of(loop.loop, unit.kernel.source, _LONGEST)
+    return StackEntry(stack, variable, f"{family.get(variable, variable)} before some steps of `{said}`", kind.dtype,
+                      loop.loop, (), (const(each), derived.made.rows, *cells), False, family)
 
 
 def names_of(derived: UnitDerivative) -> set[str]:

@@ -17,7 +17,9 @@ from s2sad.interface.value_calls import selection_of
 from s2sad.program import Request
 from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.compiled import chosen
-from s2sad.interface.selection import ReturnedValues, Wrt, names_of, selected_of, selected_wrt
+from s2sad.interface.selection import (
+    Checkpoint, ReturnedValues, Selection, Wrt, checkpoints_of, names_of, selected_of, selected_wrt,
+)
 from s2sad.interface.shadow_calls import ShadowCall
 from s2sad.pytree import is_structure
 from s2sad.run.tracebacks import public, shortened
@@ -32,23 +34,26 @@ R = TypeVar("R", covariant=True)
 
 
 @overload
-def differentiate(function: Callable[P, R], *, wrt: Wrt = None, of: Wrt = None, engine: str = "auto"
-                  ) -> Differentiated[P, R]: ...
+def differentiate(function: Callable[P, R], *, wrt: Wrt = None, of: Wrt = None, engine: str = "auto",
+                  checkpoint: Checkpoint = None) -> Differentiated[P, R]: ...
 
 
 @overload
-def differentiate(function: None = None, *, wrt: Wrt = None, of: Wrt = None, engine: str = "auto"
-                  ) -> Callable[[Callable[P, R]], Differentiated[P, R]]: ...
+def differentiate(function: None = None, *, wrt: Wrt = None, of: Wrt = None, engine: str = "auto",
+                  checkpoint: Checkpoint = None) -> Callable[[Callable[P, R]], Differentiated[P, R]]: ...
 
 
 @public
 def differentiate(function: Callable[..., Any] | None = None, *, wrt: Wrt = None, of: Wrt = None,
-                  engine: str = "auto", **unknown: NoReturn) -> Any:
+                  engine: str = "auto", checkpoint: Checkpoint = None, **unknown: NoReturn) -> Any:
     """The function, which still does what it did, with its derivatives as attributes; see `Differentiated`.
 
     Args: wrt, names or positions of parameters (default: every float array and float scalar); of, names of written
-    arrays and "return" (default: all of them); engine, "auto" (Numba where it is installed), "numba" or "numpy".
-    Raises S2sadError (S405) for an engine that is not there; everything else when a derivative is first asked for.
+    arrays and "return" (default: all of them); engine, "auto" (Numba where it is installed), "numba" or "numpy";
+    checkpoint, the loops that keep snapshots in place of a tape, and how many: {"k": 20}, {"advance.k": 20} of a
+    function that is called, {"line 14": 20}.
+    Raises S2sadError (S405) for an engine that is not there, S408 for a `checkpoint` that is none; everything else when
+    a derivative is first asked for. Literature: Griewank and Walther, ACM TOMS 26, 2000.
 
     >>> @differentiate(wrt="u", engine="numpy")
     ... def double(u):
@@ -61,8 +66,9 @@ def differentiate(function: Callable[..., Any] | None = None, *, wrt: Wrt = None
         raise unexpected_keywords("differentiate", unknown)
     chosen(engine)
     if function is None:
-        return lambda f: Differentiated(f, wrt, of, engine)
-    return Differentiated(function, wrt, of, engine)
+        checkpoint = checkpoints_of(checkpoint)
+        return lambda f: Differentiated(f, wrt, of, engine, checkpoint)
+    return Differentiated(function, wrt, of, engine, checkpoint)
 
 
 class Differentiated(Decorated, Generic[P, R]):
@@ -73,13 +79,14 @@ class Differentiated(Decorated, Generic[P, R]):
     function raises midway.
     """
 
-    def __init__(self, function: Callable[P, R], wrt: Wrt = None, of: Wrt = None, engine: str = "auto"):
+    def __init__(self, function: Callable[P, R], wrt: Wrt = None, of: Wrt = None, engine: str = "auto",
+                 checkpoint: Checkpoint = None):
         self.__wrapped_kernel__ = derivatives_of(function).function
         functools.update_wrapper(self, self.__wrapped_kernel__, updated=())
         self._original = function
         self._derivatives = derivatives_of(function)
         self.wrt, self.of = names_of(wrt, function), names_of(of, function, "of")
-        self.__s2sad_selection__ = (self.wrt, self.of, engine)
+        self.__s2sad_selection__ = Selection(self.wrt, self.of, engine, checkpoints_of(checkpoint))
         self._tokens = {mode: f"{mode} {self.__s2sad_selection__!r}" for mode in ("adjoint", "tangent")}
 
     def decorator_arguments(self) -> tuple[Any, ...]:
@@ -88,7 +95,7 @@ class Differentiated(Decorated, Generic[P, R]):
     @property
     def engine(self) -> str:
         """The engine that runs the derivatives: "numba" or "numpy"."""
-        return chosen(self.__s2sad_selection__[2])
+        return chosen(self.__s2sad_selection__.engine)
 
     def __call__(self, *args: P.args, **keywords: P.kwargs) -> R:
         return self._original(*args, **keywords)
@@ -201,12 +208,13 @@ class Differentiated(Decorated, Generic[P, R]):
     def _source(self, mode: str, args: tuple[Any, ...], keywords: dict[str, Any], level: str) -> str:
         given, args, keywords = apply_functions(self, args, keywords)
         derivatives = self._derivatives if given is self else derivatives_of(given)
-        state, values, (wrt, of, _) = flat_call(derivatives.with_constants(), self, args, keywords)
+        state, values, carried = flat_call(derivatives.with_constants(), self, args, keywords)
         types = state.types([kernel_value(n, v, n in state.floats) for n, v in zip(state.parameters, values)])
         name, parameters = state.kernel.name, state.parameters
-        wrt = selected_wrt(name, parameters, types, wrt)
-        of = selected_of(name, parameters, types, state.summary(types), of)
-        request = Request(mode, types, wrt, of, engine=self.engine, level=level)
+        wrt = selected_wrt(name, parameters, types, carried.wrt)
+        of = selected_of(name, parameters, types, state.summary(types), carried.of)
+        request = Request(mode, types, wrt, of, engine=self.engine, level=level,
+                          checkpoint=carried.checkpoint if mode == "adjoint" else ())
         return compiler().derived(state.program, request, {}).text
 
 
@@ -236,15 +244,15 @@ def autodiff(mode: Mode, f: Callable[..., Any], *annotated: Any, seed: Any = Non
     given, annotated, _ = apply_functions(f, [
         a.value if isinstance(a, Const) and callable(a.value) else a for a in annotated], {})
     state = derivatives_of(given).state()
-    found = with_structures.flat_autodiff(state, mode, annotated, selection_of(f)[2], seed)
+    found = with_structures.flat_autodiff(state, mode, annotated, selection_of(f), seed)
     if found is not None:
         return found[0]
-    engine = getattr(f, "__s2sad_selection__", (None, None, "auto"))[2]
+    selection = selection_of(f)
     kinds = tuple([type(a) if isinstance(a, Annotation) else None for a in annotated])
     values = [a.value if isinstance(a, Annotation) else a for a in annotated]
     shadows = [a.shadow for a in annotated if isinstance(a, Duplicated)]
-    key = (mode, engine, kinds, describe(values), describe(shadows))
+    key = (mode, selection.engine, selection.checkpoint, kinds, describe(values), describe(shadows))
     entry = state.entries.get(key)
     if entry is None:
-        entry = state.entries[key] = AnnotatedCall(state, mode, annotated, engine)
+        entry = state.entries[key] = AnnotatedCall(state, mode, annotated, selection)
     return entry(values, shadows, seed)

@@ -10,10 +10,10 @@ import numpy as np
 from s2sad.dispatch.arguments import kernel_value, bind, describe, make_zero
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.interface.foreign_names import unexpected_keywords
-from s2sad.interface.pytrees import flat_drivers as with_structures, flatten
+from s2sad.interface.pytrees import Carrier, flat_drivers as with_structures, flatten
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
-from s2sad.interface.selection import RETURN, Wrt, names_of
+from s2sad.interface.selection import RETURN, Checkpoint, Wrt, checkpoints_of, names_of
 from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.tracebacks import public
 from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
@@ -27,11 +27,12 @@ _INTEGERS = (int, np.integer)
 
 
 @public
-def gradient(f: Callable[P, Any], wrt: Wrt = None, **unknown: NoReturn) -> Gradient[P]:
+def gradient(f: Callable[P, Any], wrt: Wrt = None, checkpoint: Checkpoint = None, **unknown: NoReturn) -> Gradient[P]:
     """A function of f's arguments that returns the gradient of the one float that f returns.
 
     Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or position of a parameter, or
-    several (default: all that are floats by f's text: annotation, default, use). The result is one array (of the
+    several (default: all that are floats by f's text: annotation, default, use); checkpoint, the loops that keep
+    snapshots in place of a tape, as for `differentiate`. The result is one array (of the
     argument's shape and dtype) or float for one of them, a dict by name for several; an integer that stands there for a
     float is one. Arguments are never changed, read-only arrays are fine, and nothing is changed when f raises.
     The gradient of a structure is one of the same make, what is no float as it was; names may mean parts: "p.k".
@@ -50,11 +51,12 @@ def gradient(f: Callable[P, Any], wrt: Wrt = None, **unknown: NoReturn) -> Gradi
     """
     if unknown:
         raise unexpected_keywords("gradient", unknown)
-    return Gradient(f, wrt)
+    return Gradient(f, wrt, checkpoint)
 
 
 @public
-def value_and_gradient(f: Callable[P, R], wrt: Wrt = None, **unknown: NoReturn) -> ValueAndGradient[P, R]:
+def value_and_gradient(f: Callable[P, R], wrt: Wrt = None, checkpoint: Checkpoint = None, **unknown: NoReturn
+                       ) -> ValueAndGradient[P, R]:
     """As `gradient`, but the function returns (value, gradient); `scipy.optimize.minimize(..., jac=True)` takes it.
 
     Args, errors and literature as for `gradient`; the value is f's float.
@@ -70,22 +72,24 @@ def value_and_gradient(f: Callable[P, R], wrt: Wrt = None, **unknown: NoReturn) 
     """
     if unknown:
         raise unexpected_keywords("value_and_gradient", unknown)
-    return ValueAndGradient(f, wrt)
+    return ValueAndGradient(f, wrt, checkpoint)
 
 
 class _Driver(Decorated):
     """A function of f's arguments that can be pickled where f can; `_what` it gives."""
     _what = ""
 
-    def __init__(self, f: Callable[..., Any], wrt: Wrt = None):
+    def __init__(self, f: Callable[..., Any], wrt: Wrt = None, checkpoint: Checkpoint = None):
         self._derivatives, self._names = derivatives_of(f), names_of(wrt, f)
+        self._checkpoint = None if checkpoint is None else checkpoints_of(checkpoint)
+        self._carrier = carrier_of(f, self._checkpoint)
         self.__wrapped__ = f
         name, self.__module__ = getattr(f, "__name__", "f"), getattr(f, "__module__", __name__)
         self.__name__ = self.__qualname__ = f"{self._what.replace(' ', '_')}_of_{name}"
         self.__doc__ = f"The {self._what} of '{name}'."
 
     def decorator_arguments(self) -> tuple[Any, ...]:
-        return self.__wrapped__, self._names
+        return self.__wrapped__, self._names, self._checkpoint
 
     def __get__(self, instance: Any, owner: Any = None) -> Any:
         return self if instance is None else functools.partial(self, instance)
@@ -94,7 +98,7 @@ class _Driver(Decorated):
         return f"<{self._what} of {getattr(self.__wrapped__, '__name__', 'f')}>"
 
     def _value_and_gradient(self, args: tuple[Any, ...], keywords: dict[str, Any]) -> tuple[Any, Any]:
-        entry, args = _prepared(self.__wrapped__, self._derivatives, self._names, args, keywords)
+        entry, args = _prepared(self.__wrapped__, self._carrier, self._derivatives, self._names, args, keywords)
         return entry.value_and_gradient(args)
 
 
@@ -116,21 +120,22 @@ class ValueAndGradient(_Driver, Generic[P, R]):
         return self._value_and_gradient(args, keywords)
 
 
-def _prepared(f: Any, derivatives: DerivativeCache, names: tuple[str, ...] | None, args: tuple[Any, ...],
-              keywords: dict[str, Any]) -> tuple[ReverseCall | with_structures.FlatGradient, tuple[Any, ...]]:
+def _prepared(f: Any, carrier: Any, derivatives: DerivativeCache, names: tuple[str, ...] | None,
+              args: tuple[Any, ...], keywords: dict[str, Any]
+              ) -> tuple[ReverseCall | with_structures.FlatGradient, tuple[Any, ...]]:
     """The prepared gradient for arguments of these types, and the arguments by position."""
     given, args, keywords = apply_functions(f, args, keywords)
     state = (derivatives if given is f else derivatives_of(given)).state()
     if keywords:
         args = tuple(bind(state.kernel, args, keywords))
-    args = _with_floats(state, names if names is not None else selection_of(f)[0], args)
+    args = _with_floats(state, names if names is not None else selection_of(carrier).wrt, args)
     flattened = flatten(state, args)
     if flattened is not None:
-        return with_structures.FlatGradient(flattened, f, names), tuple(bind(state.kernel, args))
-    key = ("gradient", names, describe(args), selection_of(f))
+        return with_structures.FlatGradient(flattened, carrier, names), tuple(bind(state.kernel, args))
+    key = ("gradient", names, describe(args), selection_of(carrier))
     entry = state.entries.get(key)
     if entry is None:
-        entry = state.entries[key] = ReverseCall(state, f, args, (RETURN,), names, with_value=True)
+        entry = state.entries[key] = ReverseCall(state, carrier, args, (RETURN,), names, with_value=True)
     return entry, args
 
 
@@ -151,8 +156,8 @@ def _with_floats(state: ProgramVersion, names: tuple[str, ...] | None, args: tup
 
 
 @public
-def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wrt: Wrt = None
-        ) -> dict[str, Any]:
+def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wrt: Wrt = None,
+        checkpoint: Checkpoint = None) -> dict[str, Any]:
     """The gradients, by argument name, of the outputs weighted by `seeds`, at the arguments' entry values.
 
     Args: args, all of f's positional arguments; seeds by output name: a written argument's name (an array of its
@@ -172,15 +177,21 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wr
     """
     given, args, _ = apply_functions(f, _argument_tuple(args), {})
     state, names = derivatives_of(given).state(), names_of(wrt, given)
+    carrier = carrier_of(f, None if checkpoint is None else checkpoints_of(checkpoint))
     flattened = flatten(state, args)
     if flattened is not None:
         _keys_of(seeds, "seeds")
-        return with_structures.vjp(flattened, f, bind(state.kernel, args), seeds, names)
-    key = ("vjp", names, _keys_of(seeds, "seeds"), describe(args), selection_of(f))
+        return with_structures.vjp(flattened, carrier, bind(state.kernel, args), seeds, names)
+    key = ("vjp", names, _keys_of(seeds, "seeds"), describe(args), selection_of(carrier))
     entry = state.entries.get(key)
     if entry is None:
-        entry = state.entries[key] = ReverseCall(state, f, args, tuple(seeds), names)
+        entry = state.entries[key] = ReverseCall(state, carrier, args, tuple(seeds), names)
     return entry.vjp(args, seeds)
+
+
+def carrier_of(f: Any, checkpoint: tuple[tuple[str, int], ...] | None) -> Any:
+    """What has the selection of a function, with other loops that keep snapshots if these are given."""
+    return f if checkpoint is None else Carrier.with_overrides(f, None, None, None, checkpoint)
 
 
 @public

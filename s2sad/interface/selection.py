@@ -2,9 +2,9 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,15 @@ from s2sad.live_objects.unwrap import python_function
 
 RETURN = "return"
 Wrt = str | int | Iterable[str | int] | None
+Checkpoint = Mapping[str, int] | Iterable[tuple[str, int]] | None
+
+
+class Selection(NamedTuple):
+    """What a differentiated function carries: the loops in `checkpoint` keep so many snapshots."""
+    wrt: tuple[str, ...] | None = None
+    of: tuple[str, ...] | None = None
+    engine: str = "auto"
+    checkpoint: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -129,6 +138,28 @@ def names_of(chosen: Wrt, f: Any, what: str = "wrt") -> tuple[str, ...] | None:
         return None if chosen is None else (chosen,)
     several = chosen if isinstance(chosen, Iterable) and not isinstance(chosen, np.ndarray) else (chosen,)
     return tuple(_name_at(n, f, what) for n in several)
+
+
+def checkpoints_of(chosen: Checkpoint) -> tuple[tuple[str, int], ...]:
+    """The loops that keep snapshots, by what the user calls them, and how many each keeps."""
+    if chosen is None:
+        return ()
+    if isinstance(chosen, str) or not isinstance(chosen, Iterable):
+        raise _unclear(f"checkpoint is {chosen!r}")
+    found: tuple[tuple[str, int], ...] = tuple(dict(chosen).items())
+    for loop, snapshots in found:
+        if not isinstance(loop, str) or isinstance(snapshots, bool) or not isinstance(snapshots, (int, np.integer)):
+            raise _unclear(f"checkpoint holds {loop!r}: {snapshots!r}")
+        if snapshots < 1:
+            raise S2sadError(Diagnostic("S408", f"checkpoint holds {loop!r}: {snapshots}, and a loop keeps one "
+                                        "snapshot at least", help="more snapshots are fewer steps that run again"))
+    return tuple((loop, int(snapshots)) for loop, snapshots in found)
+
+
+def _unclear(message: str) -> S2sadError:
+    return S2sadError(Diagnostic("S408", message, help="name loops and how many snapshots each keeps: "
+                                 'checkpoint={"k": 20}, {"advance.k": 20} of a function that is called, '
+                                 '{"line 14": 20} by its line'))
 
 
 def _name_at(place: Any, f: Any, what: str) -> str:

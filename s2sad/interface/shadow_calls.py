@@ -9,7 +9,7 @@ from typing import Any
 from s2sad.dispatch.arguments import coercion, shadow, check_writable
 from s2sad.dispatch.executable import HIDDEN
 from s2sad.run.exceptions import CAUGHT
-from s2sad.interface.selection import RETURN, result_seed
+from s2sad.interface.selection import RETURN, Selection, result_seed
 from s2sad.interface.shadow_signature import match_arguments
 from s2sad.dispatch.cache import ProgramVersion
 
@@ -17,7 +17,7 @@ from s2sad.dispatch.cache import ProgramVersion
 class ShadowCall:
     """A prepared `f.adjoint(...)` or `f.tangent(...)`: the positions of its arguments are known."""
 
-    def __init__(self, state: ProgramVersion, mode: str, args: tuple[Any, ...], selection: tuple[Any, Any, str]):
+    def __init__(self, state: ProgramVersion, mode: str, args: tuple[Any, ...], selection: Selection):
         self.state = state
         self.variant, self.layout, values = match_arguments(state, mode, args, selection)
         by_name = dict(zip(state.parameters, values))

@@ -16,14 +16,12 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.dispatch.executable import HIDDEN, Executable
 from s2sad.infer.types import Type
 from s2sad.program import Request
-from s2sad.interface.selection import RETURN, ReturnedValues, selected_of, selected_wrt
+from s2sad.interface.selection import RETURN, ReturnedValues, Selection, selected_of, selected_wrt
 from s2sad.dispatch.cache import ProgramVersion
 
 _STRICT, _LOOSE = 4096, 32
 
 Layout = list[tuple[str, str]]
-Selection = tuple[Any, Any, str]
-
 
 def match_arguments(state: ProgramVersion, mode: str, args: tuple[Any, ...], selection: Selection
                     ) -> tuple[Executable, Layout, list[Any]]:
@@ -58,7 +56,8 @@ def _values(state: ProgramVersion, layout: Layout, args: Sequence[Any]) -> list[
 def _request(state: ProgramVersion, mode: str, types: tuple[Type, ...], selection: Selection) -> Request:
     name, parameters = state.kernel.name, state.parameters
     wrt = selected_wrt(name, parameters, types, selection[0])
-    return Request(mode, types, wrt, selected_of(name, parameters, types, state.summary(types), selection[1]))
+    of = selected_of(name, parameters, types, state.summary(types), selection.of)
+    return Request(mode, types, wrt, of, checkpoint=selection.checkpoint if mode == "adjoint" else ())
 
 
 def _layout_of(state: ProgramVersion, request: Request) -> tuple[Layout, int]:
@@ -96,7 +95,7 @@ def _layouts(state: ProgramVersion, args: Sequence[Any], mode: str, selection: S
 
 def _shadow_options(name: str, value: Any, mode: str, selection: Selection, is_float: bool) -> tuple[bool, bool]:
     """Whether an argument may, and whether it must have a shadow."""
-    wrt, of, _ = selection
+    wrt, of = selection.wrt, selection.of
     varied = wrt is None or name in wrt
     if isinstance(value, np.ndarray):
         floats = value.dtype.name in INEXACT

@@ -16,23 +16,25 @@ from s2sad.dispatch.executable import Executable
 from s2sad.infer.types import NONE, TEXT
 from s2sad.program import Request
 from s2sad.interface.selection import (
-    RETURN, ReturnedValues, array_seed, number_seed, places, result_seed, selected_of, selected_wrt, seeds_by_position,
+    RETURN, ReturnedValues, Selection, array_seed, number_seed, places, result_seed, selected_of, selected_wrt,
+    seeds_by_position,
 )
 from s2sad.dispatch.cache import ProgramVersion, check_contiguous, private_copy
 
 _ONE = {RETURN: 1.0}
 
 
-def selection_of(f: Any) -> tuple[tuple[str, ...] | None, tuple[str, ...] | None, str]:
-    """The wrt, of and engine that a differentiated function carries; a plain one takes the defaults."""
-    return getattr(f, "__s2sad_selection__", (None, None, "auto"))
+def selection_of(f: Any) -> Selection:
+    """What a differentiated function carries; a plain one takes the defaults."""
+    return getattr(f, "__s2sad_selection__", Selection())
 
 
 class PreparedCall:
     """Arguments of known types, bound, and copied where the function may write; one instance per compiled call."""
 
     def __init__(self, state: ProgramVersion, f: Any, args: tuple[Any, ...]):
-        self.state, self.names, self.engine = state, state.parameters, selection_of(f)[2]
+        self.state, self.names, self.engine = state, state.parameters, selection_of(f).engine
+        self.checkpoint = selection_of(f).checkpoint
         bound = bind(state.kernel, args)
         self.tail = [kernel_value(n, v, n in state.floats) for n, v in zip(self.names[len(args):], bound[len(args):])]
         self.coercions = [(k, how) for k, (n, v) in enumerate(zip(self.names, args))
@@ -76,7 +78,9 @@ class PreparedCall:
         return variant.run(arguments)
 
     def variant(self, mode: str, wrt: tuple[str, ...], of: tuple[str, ...], with_primal: bool = False) -> Executable:
-        return self.state.variant(Request(mode, self.types, wrt, of, with_primal=with_primal), self.engine)
+        checkpoint = self.checkpoint if mode == "adjoint" else ()
+        return self.state.variant(Request(mode, self.types, wrt, of, with_primal=with_primal, checkpoint=checkpoint),
+                                  self.engine)
 
 
 class ReverseCall(PreparedCall):

@@ -19,6 +19,7 @@ from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.live_objects.guards import taken
 from s2sad.read.live_module import LiveScope, defaults_of
+from s2sad.read.marked_loops import unmarked
 from s2sad.read.outside_values import AST, Captured, kind_of
 from s2sad.live_objects.unwrap import fingerprint, partial_application, python_function
 
@@ -35,7 +36,7 @@ def source_of(path: str, text: str) -> Source:
 def captured_of(handle: Any) -> Captured:
     """The definition of a function, live or of a text that is not run; raises S2sadError."""
     is_live = isinstance(handle, types.FunctionType) or not hasattr(handle, "captured")
-    return capture(handle) if is_live else handle.captured()
+    return unmarked(capture(handle) if is_live else handle.captured())
 
 
 def capture(value: Any) -> Captured:

@@ -125,8 +125,8 @@ def bench(f: Callable[..., Any], *args: Any, wrt: Wrt = None, of: str | Iterable
     with on_one_core() as where:
         measured = MeasuredCall.for_call(f, args, wrt, of, engine)
         carried = selection_of(f)
-        differentiated = differentiate(f, wrt=wrt if wrt is not None else carried[0],
-                                       of=of if of is not None else carried[1],
+        differentiated = differentiate(f, wrt=wrt if wrt is not None else carried.wrt,
+                                       of=of if of is not None else carried.of,
                                        engine=measured.engine)
         return _Measurement(measured, differentiated, args, budget, where).made()
 

@@ -112,8 +112,9 @@ def explain(f: Callable[..., Any], *args: Any, wrt: Wrt = None,
     state, arguments, carried = flat_call(derivatives_of(function).state(), carrier, args)
     values = [kernel_value(n, v, n in state.floats) for n, v in zip(state.parameters, arguments)]
     types, name = state.types(values), state.kernel.name
-    request = Request("adjoint", types, selected_wrt(name, state.parameters, types, carried[0]),
-                      selected_of(name, state.parameters, types, state.summary(types), carried[1]), chosen(carried[2]))
+    of = selected_of(name, state.parameters, types, state.summary(types), carried.of)
+    request = Request("adjoint", types, selected_wrt(name, state.parameters, types, carried.wrt), of,
+                      chosen(carried.engine), checkpoint=carried.checkpoint)
     return explain_program(state.program, request, dict(zip(state.parameters, values)))
 
 

@@ -16,7 +16,7 @@ from s2sad.interface.value_calls import ForwardCall, ReverseCall
 from s2sad.program import Request
 from s2sad.run.compiled import chosen
 from s2sad.run.tracebacks import with_facts
-from s2sad.interface.selection import ReturnedValues, Wrt, names_of, selected_of, selected_wrt
+from s2sad.interface.selection import ReturnedValues, Selection, Wrt, names_of, selected_of, selected_wrt
 from s2sad.live_objects.unwrap import by_position, apply_functions
 from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
 
@@ -56,9 +56,9 @@ class MeasuredCall:
         original = by_position(state.function if single else getattr(function, "_original", function))
         if flattened is not None:
             original = flattened.flat_function(original, bind(unflattened.kernel, args))
-        inputs = selected_wrt(name, state.parameters, types, carried[0])
-        outputs = selected_of(name, state.parameters, types, state.summary(types), carried[1])
-        return cls(original, state, dict(zip(state.parameters, values)), types, inputs, outputs, chosen(carried[2]),
+        inputs = selected_wrt(name, state.parameters, types, carried.wrt)
+        outputs = selected_of(name, state.parameters, types, state.summary(types), carried.of)
+        return cls(original, state, dict(zip(state.parameters, values)), types, inputs, outputs, chosen(carried.engine),
                    single, flattened is not None)
 
     @property
@@ -94,7 +94,7 @@ class MeasuredCall:
 
     @property
     def _carrier(self) -> Carrier:
-        return Carrier((self.wrt, self.of, self.engine))
+        return Carrier(Selection(self.wrt, self.of, self.engine))
 
     def primal(self, values: Mapping[str, Any]) -> Callable[..., Any]:
         """The function of values like these, by position: as it is under NumPy, compiled for their types under Numba.

@@ -16,9 +16,15 @@ class Calls:
         return self.titled.get(user_call(node) or "")
 
     def runs_once(self, node: Call) -> bool:
-        """Whether a kernel's call is not run again by a reverse sweep: its derivative is the user's own."""
+        """Whether a kernel's call is not run again by a reverse sweep: its derivative is the user's own, or it holds a
+        loop that keeps snapshots."""
         unit = self.callee(node)
         return unit is not None and unit.runs_once
+
+    def has_state(self, node: Call) -> bool:
+        """Whether a function with a derivative of the user's own is called, by a kernel's call or further down."""
+        unit = self.callee(node)
+        return unit is not None and unit.has_state
 
     def call_writes(self, node: Call) -> list[str]:
         """The arrays that a call may store to."""

@@ -15,6 +15,7 @@ from s2sad.naming import Names
 from s2sad.normalize import canonical_form
 from s2sad.normalize.calls.alias_specialization import specialized
 from s2sad.normalize.calls.inline import Helpers, returned
+from s2sad.normalize.calls.outlining import OutlinedLoop, outlining
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.dtypes.complex_support import refuse_own_derivative
 from s2sad.normalize.dtypes.float32_promotion import makes_singles
@@ -27,6 +28,11 @@ from s2sad.units.call_summaries import Calls, stored_arrays
 from s2sad.units.primal_form import primal_form, same_primal
 from s2sad.units.unit import UnitSummary, Unit
 
+
+def keeps_snapshots(context: NormalContext) -> bool:
+    return bool(context.callees.checkpoints)
+
+
 KERNELS: Passes = (
     *normalize.STRUCTURE,
     *normalize.CALLS,
@@ -36,6 +42,20 @@ KERNELS: Passes = (
     *normalize.LOOPS,
     Pass(same_primal, when=normalize.in_arrays),
     *optimize.KERNELS,
+    Pass(outlining, when=keeps_snapshots, form="views"),
+    *normalize.NUMBERS,
+)
+OUTLINED: Passes = (
+    Pass(primal_form, when=normalize.in_loops),
+    Pass(same_primal, when=normalize.in_arrays),
+)
+LOOPS_OF_STEPS: Passes = (
+    *OUTLINED,
+    *normalize.NUMBERS,
+)
+STEPS: Passes = (
+    *OUTLINED,
+    Pass(outlining, form="views"),
     *normalize.NUMBERS,
 )
 
@@ -50,6 +70,8 @@ class NormalForms(Calls):
     effects: Effects = field(default_factory=Effects)
     titles: Names = field(default_factory=Names)
     watch: Watch = unwatched
+    checkpoints: Mapping[tuple[str, int, int], int] = field(default_factory=dict)
+    outlined_at: set[tuple[str, int, int]] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         self.program = replace(self.program, kernels=dict(self.program.kernels))    # more are made on the way
@@ -61,7 +83,7 @@ class NormalForms(Calls):
     def unit(self, kernel: str, types: tuple[Type, ...], pairs: tuple[tuple[int, int], ...] = ()) -> Unit:
         """The unit of a kernel, or of a unit's title, for these types; `pairs` of its arguments are one array."""
         if kernel in self.titled and not pairs:
-            if self.titled[kernel].types == types:
+            if self.titled[kernel].types == types or self.titled[kernel].outlined:
                 return self.titled[kernel]
             pairs = self.titled[kernel].pairs
         kernel = self.titled[kernel].kernel.name if kernel in self.titled else kernel
@@ -72,13 +94,33 @@ class NormalForms(Calls):
             source = self.program.kernels[kernel]
             unit = self._normalized(specialized(source, pairs) if pairs else source, types, title)
             unit.pairs = pairs
-            self.made[key] = self.titled[title] = unit
-            first = unit.read_first()
-            self.effects.table[title] = Effect(
-                frozenset(k for k, p in enumerate(unit.function.args.args) if p.id in first),
-                frozenset(unit.summary.written), unit.summary.pure,
-                frozenset(k for k, t in enumerate(types) if t.is_array))
+            self._enter(key, unit)
         return self.made[key]
+
+    def _enter(self, key: tuple[str, tuple[Type, ...], tuple[tuple[int, int], ...]], unit: Unit) -> None:
+        """A unit becomes one that can be called."""
+        self.made[key] = self.titled[unit.title] = unit
+        first = unit.read_first()
+        self.effects.table[unit.title] = Effect(
+            frozenset(k for k, p in enumerate(unit.function.args.args) if p.id in first),
+            frozenset(unit.summary.written), unit.summary.pure,
+            frozenset(k for k, t in enumerate(unit.types) if t.is_array))
+
+    def outlined(self, kernel: Kernel, context: NormalContext, loop: OutlinedLoop | None) -> str:
+        """The title of the unit of a part of a kernel that is on its way to normal form: of a loop, or of the step of
+        one."""
+        title = self.titles.fresh(kernel.name)
+        kernel = replace(kernel, name=title)
+        types = tuple(context.typing.argument(p) for p in kernel.tree.args.args)
+        inner = replace(context, kernel=kernel, names=Names(n.id for n in walk(kernel.tree) if isinstance(n, Name)),
+                        given=dict(zip(kernel.parameters, types)))
+        inner.report, inner.typing = context.report, context.typing.copy()
+        tree = run(STEPS if loop is None else LOOPS_OF_STEPS, kernel.tree, inner)
+        unit = self._finished(kernel, types, title, tree, inner)
+        unit.outlined, unit.loop = True, loop
+        unit.runs_once = unit.runs_once or loop is not None
+        self._enter((title, types, ()), unit)
+        return title
 
     def _normalized(self, kernel: Kernel, types: tuple[Type, ...], title: str) -> Unit:
         """The kernel after all passes, with their tables."""
@@ -89,11 +131,19 @@ class NormalForms(Calls):
             engine=self.engine, watch=self.watch, given=dict(zip((p.id for p in kernel.tree.args.args), types)),
             callees=self, helpers=self.helpers, known=self.known, singles=self.singles)
         tree = run(KERNELS, kernel.tree, context)
-        kernel, lowered = context.kernel, context.lowered
+        return self._finished(context.kernel, types, title, tree, context)
+
+    def _finished(self, kernel: Kernel, types: tuple[Type, ...], title: str, tree: FunctionDef, context: NormalContext
+                  ) -> Unit:
+        """The unit of a kernel in normal form."""
+        lowered = context.lowered
         typing = context.typing.copy(runs_once=self.runs_once)      # without what it remembers of trees that are gone
-        once = kernel.own is not None or any(self.runs_once(n) for n in walk(tree.body) if isinstance(n, Call))
+        called = [n for n in walk(tree.body) if isinstance(n, Call)]
+        own = kernel.own is not None
         return Unit(kernel, title, types, tree, typing, dict(context.family), context.names, lowered,
-                    structure_of(tree, typing), self._summary(tree, typing, kernel), context.guarded, runs_once=once,
+                    structure_of(tree, typing), self._summary(tree, typing, kernel), context.guarded,
+                    runs_once=own or any(map(self.runs_once, called)),
+                    has_state=own or any(map(self.has_state, called)),
                     numbers=context.numbers, lowered_types=_types_of_single_bindings(context.lowered_types, lowered),
                     contiguous=tuple(k for k, p in enumerate(tree.args.args) if p.id in context.contiguous))
 
@@ -112,7 +162,7 @@ class NormalForms(Calls):
         written = tuple(k for k, p in enumerate(parameters) if p in own.writes)
         summary = UnitSummary(written, results, {}, tuple(edges), True)
         return Unit(kernel, title, types, tree, typing, {}, Names(table), tree, structure_of(tree, typing), summary,
-                    runs_once=True)
+                    runs_once=True, has_state=True)
 
     def _summary(self, tree: FunctionDef, typing: Typing, kernel: Kernel) -> UnitSummary:
         parameters = [p.id for p in tree.args.args]

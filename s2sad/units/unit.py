@@ -9,6 +9,7 @@ from s2sad.differentiate.user_functions import UserFunction
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import Type
 from s2sad.naming import Names
+from s2sad.normalize.calls.outlining import OutlinedLoop
 from s2sad.program import Kernel
 from s2sad.tree import FunctionDef
 
@@ -25,7 +26,9 @@ class UnitSummary:
 
 @dataclass
 class Unit:
-    """A kernel for one set of argument types, in normal form; `numbers` has the array that each number replaces."""
+    """A kernel for one set of argument types, in normal form; `numbers` has the array that each number replaces.
+    `runs_once` if the reverse sweep does not run it again, `has_state` if that is since a user's own derivative is in
+    it; `loop` is what an outlined loop consists of, `outlined` if it is such a loop or its step."""
     kernel: Kernel
     title: str
     types: tuple[Type, ...]
@@ -39,6 +42,9 @@ class Unit:
     guarded: bool = False
     pairs: tuple[tuple[int, int], ...] = ()
     runs_once: bool = False
+    has_state: bool = False
+    outlined: bool = False
+    loop: OutlinedLoop | None = None
     numbers: dict[str, str] = field(default_factory=dict)
     lowered_types: dict[str, Type] = field(default_factory=dict)
     contiguous: tuple[int, ...] = ()            # the parameters that must be

@@ -4,13 +4,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from s2sad import simplify
-from s2sad.analyze import PASSES as ANALYSES
+from s2sad.analyze import ACTIVITY, PASSES as ANALYSES
 from s2sad.analyze.activity import Activity, activity_of
-from s2sad.analyze.callee_derivatives import ActivityPattern, CalleeDerivative
+from s2sad.analyze.live_state import live_state
+from s2sad.analyze.callee_derivatives import ActivityPattern, CalleeDerivative, activity_pattern
 from s2sad.analyze.recording_plan import RecordingPlan
 from s2sad.analyze.request import DerivativeRequest
 from s2sad.analyze.unbounded_values import UnboundedValues, unbounded_values_of
 from s2sad.differentiate import PASSES as DIFFERENTIATION
+from s2sad.differentiate.checkpointed_adjoint import CheckpointedAdjoint, StepDerivative
 from s2sad.differentiate.context import DifferentiationContext
 from s2sad.differentiate.derivative import Derivative
 from s2sad.differentiate.implicit import Residual, solution_of, implicit_refusal
@@ -18,12 +20,14 @@ from s2sad.differentiate.user_derivative import user_derivative
 from s2sad.form import verify
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import FLOAT, Type
+from s2sad.liveness import Accesses
 from s2sad.naming import Names
 from s2sad.normalize.calls.global_arrays import hidden_arrays
+from s2sad.normalize.calls.outlining import OutlinedLoop
 from s2sad.passes import Passes, run
 from s2sad.simplify import DerivativeContext, Effect, Effects
 from s2sad.simplify.wide_accumulators import uses_float32
-from s2sad.tree import Call, FunctionDef
+from s2sad.tree import Call, For, FunctionDef, Return, Tuple, user_call, walk_statements
 from s2sad.units.normal_forms import NormalForms
 from s2sad.units.unit import Unit
 
@@ -65,7 +69,9 @@ class Units(NormalForms):
         if key not in self.derived:
             others = sum(k[0] == mode and k[1] == unit.title for k in self.derived)
             title = self.titles.fresh(f"{unit.title}_{mode}" + (f"_{others + 1}" if others else ""))
-            if unit.kernel.own is not None:
+            if unit.loop is not None and mode == "adjoint":
+                made = self._checkpointed(unit, unit.loop, request, title)
+            elif unit.kernel.own is not None:
                 made = self._user_derivative(mode, unit, request, title)
             else:
                 made = self._differentiated(mode, unit, request, title, flat)
@@ -92,6 +98,59 @@ class Units(NormalForms):
             family=unit.family, flat=flat)
         context.typing = typing
         return self._simplified(unit, run(DERIVATIVES, unit.function, context), context)
+
+    def _checkpointed(self, unit: Unit, loop: OutlinedLoop, request: DerivativeRequest, title: str) -> UnitDerivative:
+        """The adjoint of an outlined loop, in two halves."""
+        typing, names = self.fresh(unit)
+        context = DifferentiationContext(
+            program=self.program, kernel=unit.kernel, names=names, engine=self.engine, watch=self.watch,
+            request=request, mode="adjoint", calls=self, derive=self.callee_derivatives("adjoint"), title=title,
+            family=unit.family)
+        context.typing = typing
+        run(ACTIVITY, unit.function, context)
+        [statement] = [s for s in walk_statements(unit.function.body) if user_call(getattr(s, "value", None)) ==
+                       loop.callee]
+        pattern = activity_pattern(statement, typing, context.activity.active, context.unbounded.adjoint_boundary)
+        adjoint = context.derive(pattern) if pattern.arguments or pattern.results else None
+        step = self.titled[loop.callee]
+        parameters = tuple(p.id for p in step.function.args.args)
+        state = self._state(step, loop, adjoint)
+        for name, kind in zip(parameters, step.types):
+            if name not in typing.table:
+                typing.declare(name, kind)
+        found = StepDerivative(parameters, pattern.arguments, pattern.results, adjoint, state)
+        halves = CheckpointedAdjoint(loop, found, [p.id for p in unit.function.args.args], request, typing, names)
+        forward = halves.forward(self.titles.fresh(f"{unit.title}_forward"))
+        made = halves.reverse(title)
+        for function in (forward, made.function):
+            self.effects.add(function, typing)
+        callee = replace(self._callee(made, request, typing), forward=f"user.{forward.name}",
+                         results=len(loop.outputs), is_loop=True)
+        return UnitDerivative(callee, made.function, made, unit, context.activity, dict(typing.table), request,
+                              RecordingPlan(), (forward,))
+
+    def _state(self, step: Unit, loop: OutlinedLoop, adjoint: CalleeDerivative | None) -> tuple[str, ...]:
+        """The parameters of a loop's step that are kept."""
+        last = step.function.body[-1]
+        returned = [] if not isinstance(last, Return) or last.value is None else (
+            last.value.elts if isinstance(last.value, Tuple) else [last.value])
+        parameters = [p.id for p in step.function.args.args]
+        changed = {parameters[k]: parameters[k] for k in step.summary.written}
+        changed |= {n: value.id for n, value in zip(loop.results, returned) if n in loop.carried}
+        needed: set[str] = set()
+        for derived in self.derived.values():
+            if derived.callee is adjoint:
+                names = [n for n, _, _ in derived.made.parameters]
+                needed = {names[k] for k in self.effects.table[derived.function.name].reads}
+        effects = self.effects
+
+        def function_of(called: Call) -> FunctionDef | None:
+            unit = self.callee(called)
+            return None if unit is None or unit.has_state else unit.function
+        counter = loop.loop.target.id if isinstance(loop.loop, For) else ""
+        accesses = Accesses(effects.writes, effects.pure, effects.unread)
+        found = live_state(step.function, counter, changed, needed, accesses, function_of)
+        return tuple(n for n in parameters if n in found)
 
     def unbounded(self, called: Call) -> UnboundedValues | None:
         """What can be infinite or nan in a callee, whatever is active there."""
@@ -178,18 +237,22 @@ class Units(NormalForms):
         function = run(simplify.PASSES, function, context)
         made.sums = set(context.sums)
         self.effects.add(verify(function, "derivative", "simplify"), typing)
+        callee = self._callee(made, request, typing)
+        return UnitDerivative(callee, function, made, unit, found.activity, dict(typing.table), request, plan)
+
+    def _callee(self, made: Derivative, request: DerivativeRequest, typing: Typing) -> CalleeDerivative:
+        """What callers must know of a finished derivative."""
         parameters = made.parameters
-        shadows = [k for k, (_, role, primal) in enumerate(parameters) if role == "shadow"]
+        shadows = [k for k, (_, role, _) in enumerate(parameters) if role == "shadow"]
         order = [p for p, role, _ in parameters if role == "primal"]
-        effect = self.effects.table[function.name]
+        effect = self.effects.table[made.function.name]
         position = {n: k for k, (n, _, _) in enumerate(parameters)}
-        callee = CalleeDerivative(
-            f"user.{function.name}", tuple(order.index(parameters[k][2]) for k in shadows),
+        return CalleeDerivative(
+            f"user.{made.function.name}", tuple(order.index(parameters[k][2]) for k in shadows),
             tuple(int(o.split()[1]) for o in request.of if o.startswith("return ")),
             tuple(order.index(p) for p in request.wrt if typing.table[p].is_number),
             tuple(k for k, p in enumerate(order) if position[p] in effect.reads),
             tuple(k for k, p in enumerate(order) if position[p] in effect.writes))
-        return UnitDerivative(callee, function, made, unit, found.activity, dict(typing.table), request, plan)
 
     def _live_out(self, made: Derivative, typing: Typing, primals: bool) -> set[str]:
         """The arrays whose content the caller reads: the shadows, of a tangent the primals too."""
@@ -209,4 +272,4 @@ class Units(NormalForms):
         written = {parameters[k] for k in unit.summary.written}
         of = tuple(p for p in arguments if p in written) + tuple(f"return {k}" for k in pattern.results)
         return DerivativeRequest(arguments, of, mode == "tangent", pattern.unbounded if unit.kernel.own is None
-                                 else frozenset())
+                                 else frozenset(), unit.outlined and mode == "adjoint")

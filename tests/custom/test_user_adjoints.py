@@ -200,11 +200,16 @@ def test_an_adjoint_in_two_halves(engine):
 
 
 def test_what_is_kept_lies_on_a_list():
-    text = s2sad.differentiate(halved, engine="numpy").adjoint_source(U, 0.5)
-    assert "    result, kept = halved_own_forward(u, t)\n    kept_stack.append(kept)\n" in text
-    assert "kept = kept_stack.pop()" in text
     text = s2sad.differentiate(helper, engine="numpy").adjoint_source(U, 0.5)
-    assert "    kept_stack: what `halved(u, t)` keeps\n    kept_stack_2: what `return halved(u, t)` keeps\n" in text
+    assert "unread, kept = halved_forward(u, t)\n        kept_stack.append(kept)\n" in text
+    assert "kept = kept_stack.pop()" in text
+
+
+def test_what_is_kept_once_has_a_name():
+    text = s2sad.differentiate(halved, engine="numpy").adjoint_source(U, 0.5)
+    assert "    result, kept = halved_own_forward(u, t)\n" in text and "kept_stack" not in text
+    text = s2sad.differentiate(helper, engine="numpy").adjoint_source(U, 0.5)
+    assert "    kept_stack: what `halved(u, t)` keeps\n    kept_2: what `return halved(u, t)` keeps\n" in text
     told = str(s2sad.explain(helper, U, 0.5, engine="numpy"))
     assert "kept_stack: bytes known only at run time, what `halved(u, t)` keeps\n" in told
     assert s2sad.check(halved, U, 0.5, engine="numpy").with_differences

@@ -21,7 +21,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.interface.pytrees.flat_selection import Carrier
 from s2sad.interface.pytrees.flatten import Flattened, flatten
 from s2sad.infer.types import Type
-from s2sad.interface.selection import RETURN, ReturnedValues, selected_of, selected_wrt
+from s2sad.interface.selection import RETURN, ReturnedValues, Selection, selected_of, selected_wrt
 from s2sad.interface.shadow_calls import ShadowCall
 from s2sad.pytree import PyTree, assign_part, is_held, is_structure, leaves, part_of, step
 from s2sad.dispatch.cache import ProgramVersion
@@ -32,7 +32,7 @@ Layout = list[tuple[str, str]]          # the role and the parameter of each arg
 
 # -- autodiff -------------------------------------------------------------------------------------------------------
 
-def flat_autodiff(state: ProgramVersion, mode: Mode, annotated: Sequence[Any], engine: str, seed: Any
+def flat_autodiff(state: ProgramVersion, mode: Mode, annotated: Sequence[Any], selection: Selection, seed: Any
                   ) -> tuple[Any] | None:
     """What `autodiff` returns, in a tuple of one; None if there is nothing to take apart."""
     plain = [a.value if isinstance(a, Annotation) else a for a in annotated]
@@ -42,14 +42,15 @@ def flat_autodiff(state: ProgramVersion, mode: Mode, annotated: Sequence[Any], e
     values = bind(state.kernel, plain)
     marks = [*annotated, *values[len(annotated):]]
     with flattened.user_paths():
-        return (_FlatAutodiff(flattened, mode, marks, values, engine).call(seed),)
+        return (_FlatAutodiff(flattened, mode, marks, values, selection).call(seed),)
 
 
 class _FlatAutodiff:
     """One call: the flat annotated arguments, and where what comes back belongs."""
 
-    def __init__(self, flattened: Flattened, mode: Mode, marks: list[Any], values: Sequence[Any], engine: str):
-        self.flattened, self.mode, self.engine = flattened, mode, engine
+    def __init__(self, flattened: Flattened, mode: Mode, marks: list[Any], values: Sequence[Any],
+                 selection: Selection):
+        self.flattened, self.mode, self.selection = flattened, mode, selection
         self.args = list(values)
         self.annotated: list[Any] = []
         self.active: list[tuple[str, Any, str | int] | None] = []   # where each Active float's adjoint is added
@@ -116,10 +117,10 @@ class _FlatAutodiff:
         kinds = tuple(type(a) if isinstance(a, Annotation) else None for a in self.annotated)
         values = [a.value if isinstance(a, Annotation) else a for a in self.annotated]
         shadows = [a.shadow for a in self.annotated if isinstance(a, Duplicated)]
-        key = (self.mode, self.engine, kinds, describe(values), describe(shadows))
+        key = (self.mode, self.selection.engine, self.selection.checkpoint, kinds, describe(values), describe(shadows))
         entry = flattened.state.entries.get(key)
         if entry is None:
-            entry = AnnotatedCall(flattened.state, self.mode, self.annotated, self.engine)
+            entry = AnnotatedCall(flattened.state, self.mode, self.annotated, self.selection)
             flattened.state.entries[key] = entry
         if seed is not None and flattened.result is not None:
             seed = flattened.result_seed(seed)
@@ -221,7 +222,7 @@ def _shadowed_leaves(flattened: Flattened, mode: str, values: list[Any], carrier
     """The paths of the leaves that have a shadow."""
     state = flattened.state
     types = state.types(values)
-    wrt, of, _ = carrier.__s2sad_selection__
+    wrt, of = carrier.__s2sad_selection__[:2]
     wrt = selected_wrt(flattened.title, state.parameters, types, wrt)
     of = selected_of(flattened.title, state.parameters, types, state.summary(types), of)
     return {flattened.paths[n] for n, t in zip(state.parameters, types)

@@ -11,7 +11,7 @@ from typing import Any
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import FLOAT, NONE, TEXT, Type, array
 from s2sad.interface.value_calls import selection_of
-from s2sad.interface.selection import RETURN
+from s2sad.interface.selection import RETURN, Selection
 from s2sad.pytree import Form, PyTree, is_held, leaves, subtree, steps
 from s2sad.dispatch.cache import ProgramVersion
 
@@ -19,17 +19,18 @@ Path = tuple[str, Form, str]            # what the caller asked for, what it is,
 
 
 class Carrier:
-    """What a differentiated function carries: wrt, of and engine."""
+    """What a differentiated function carries."""
 
-    def __init__(self, selection: tuple[Any, Any, str]):
+    def __init__(self, selection: Selection):
         self.__s2sad_selection__ = selection
 
     @classmethod
-    def with_overrides(cls, f: Any, wrt: Any, of: Any, engine: str | None) -> Carrier:
+    def with_overrides(cls, f: Any, wrt: Any, of: Any, engine: str | None, checkpoint: Any = None) -> Carrier:
         """What f carries, with other arguments in its place."""
         carried = selection_of(f)
-        return cls((wrt if wrt is not None else carried[0], of if of is not None else carried[1],
-                    engine if engine is not None else carried[2]))
+        return cls(Selection(wrt if wrt is not None else carried.wrt, of if of is not None else carried.of,
+                             engine if engine is not None else carried.engine,
+                             checkpoint if checkpoint is not None else carried.checkpoint))
 
 
 class FlatSelection:
@@ -87,9 +88,10 @@ class FlatSelection:
 
     def carrier(self, f: Any) -> tuple[list[Path] | None, Carrier]:
         """What a differentiated function carries: its wrt, and all of it in flat names."""
-        wrt, of, engine = selection_of(f)
-        inputs = None if wrt is None else self.selected_paths(wrt, "wrt")
-        return inputs, Carrier((None if inputs is None else self.flat_names(inputs, "wrt"), self.outputs(of), engine))
+        carried = selection_of(f)
+        inputs = None if carried.wrt is None else self.selected_paths(carried.wrt, "wrt")
+        wrt = None if inputs is None else self.flat_names(inputs, "wrt")
+        return inputs, Carrier(carried._replace(wrt=wrt, of=self.outputs(carried.of)))
 
     def outputs(self, of: Sequence[str] | None) -> tuple[str, ...] | None:
         """The flat names of outputs: of a structure the floats that the kernel writes."""

@@ -24,7 +24,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.interface.pytrees.flat_selection import FlatSelection, Path
 from s2sad.infer.types import FLOAT, Type
 from s2sad.interface.value_calls import selection_of
-from s2sad.interface.selection import RETURN
+from s2sad.interface.selection import RETURN, Selection
 from s2sad.program import DemandedFacts, Fact
 from s2sad.pytree import (
     Form, PyTree, assign_part, form_of, is_held, is_structure, leaves, map_leaves, matches_form, part_of, places_of,
@@ -108,7 +108,7 @@ def _fact(fact: Fact, values: Mapping[str, Any]) -> Any:
 
 
 def flat_call(state: ProgramVersion, f: Any, args: Sequence[Any], keywords: Mapping[str, Any] | None = None
-                ) -> tuple[ProgramVersion, list[Any], tuple[Any, Any, str]]:
+                ) -> tuple[ProgramVersion, list[Any], Selection]:
     """The state and the values to work with, flat where there are structures, and what f carries in its names."""
     values = bind(state.kernel, args, keywords)
     flattened = flatten(state, values)

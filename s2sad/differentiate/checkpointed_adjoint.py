@@ -1,0 +1,260 @@
+"""checkpointed_adjoint: the adjoint of an outlined loop, in two halves. The first runs the loop and keeps the state of
+some steps; the second takes the steps backwards, each from the last state that is kept before it: it runs the steps
+between again, keeps states on the way, and calls the step's adjoint.
+
+    def f_k_loop_forward(n, u):             def f_k_loop_adjoint(n, u, u_bar, kept):
+        ...                                     held, count, trips, u_snapshots = kept
+        for k in range(n):                      for k in range(trips - 1, -1, -1):
+            if k == following ...:                  u[...] = u_snapshots[count - 1]
+                held[count] = k                     for again in range(held[count - 1], k):
+                u_snapshots[count] = u                  ... keep ...
+                count += 1                              f_k_step(again, u)
+                ...                                 f_k_step_adjoint(k, u, u_bar)
+            f_k_step(k, u)                          if held[count - 1] == k:
+        return (held, count, trips, u_snapshots)        count -= 1
+
+Which states are kept is for `runtime.revolve` to say where the number of steps is known, at the least number of runs;
+else every second, fourth, ... one is, and what is left is kept on the way back.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from s2sad.analyze.callee_derivatives import CalleeDerivative
+from s2sad.analyze.dependence import range_parts
+from s2sad.analyze.request import DerivativeRequest
+from s2sad.differentiate.derivative import Derivative
+from s2sad.differentiate.reversed_loops import constant_integer
+from s2sad.differentiate.shadows import with_shadows
+from s2sad.infer.inference import Typing
+from s2sad.infer.types import INT, UNKNOWN, Type, array
+from s2sad.liveness import base_name
+from s2sad.naming import Names
+from s2sad.normalize.calls.outlining import OutlinedLoop
+from s2sad.tree import (
+    AST, Add, And, BoolOp, Break, Call, Eq, Expr, For, FunctionDef, If, Mod, Mult, Or, Return,
+    Sub, While, add, assign, attribute, augment, binary, call, comment, compare, const, copy, counted_for, function,
+    index, name, names, sub, substitute, tuple_of,
+)
+
+
+@dataclass(frozen=True)
+class StepDerivative:
+    """What is known of a step: its parameters and their types, the positions of its active arguments and results, its
+    adjoint (None if nothing is active), and what is kept of its state."""
+    parameters: tuple[str, ...]
+    arguments: tuple[int, ...]
+    results: tuple[int, ...]
+    adjoint: CalleeDerivative | None
+    state: tuple[str, ...]
+
+
+class CheckpointedAdjoint:
+    """The two halves of one loop's adjoint; `parameters` are those of the loop's function."""
+
+    def __init__(self, loop: OutlinedLoop, step: StepDerivative, parameters: Sequence[str],
+                 request: DerivativeRequest, typing: Typing, free: Names):
+        self.loop, self.step, self.parameters = loop, step, parameters
+        self.request, self.typing, self.free = request, typing, free
+        self.stored = {n: self.new(f"{n}_snapshots", array(typing.table[n].dtype, typing.table[n].rank + 1))
+                       for n in step.state}
+        self.held, self.count, self.trips, self.following, self.gap = (
+            self.new(n, t) for n, t in (("held", array("int64", 1)), ("count", INT), ("trips", INT),
+                                        ("following", INT), ("gap", INT)))
+        self.kept = self.new("kept", UNKNOWN)
+        self.counter = loop.loop.target.id if isinstance(loop.loop, For) else ""
+        self.plain = isinstance(loop.loop, For) and loop.is_counted and from_zero(loop.loop)
+        self.trip = self.counter if self.plain else self.new("trip", INT)
+        self.shadows: dict[str, str] = {}
+
+    def new(self, hint: str, kind: Type) -> str:
+        return self.typing.declare(self.free.fresh(hint), kind)
+
+    # -- forward -----------------------------------------------------------------------------------------------------
+
+    def forward(self, title: str) -> FunctionDef:
+        """The first half: it returns what the loop returns, and what it keeps."""
+        body = self.counted() if self.loop.is_counted else self.uncounted()
+        kept = tuple_of(*map(name, (self.held, self.count, self.trips, *self.stored.values())))
+        unset = [assign(n, const(self.typing.table[n].zero)) for n in self.loop.outputs if n not in self.parameters]
+        returned: AST = tuple_of(*map(name, self.loop.outputs), kept) if self.loop.outputs else kept
+        return function(title, list(self.parameters), [*unset, *body, Return(returned)])
+
+    def counted(self) -> list[AST]:
+        """A loop whose number of steps is known: as many states are kept as there is room for, where Revolve says so,
+        and the last one beside them."""
+        loop = self.loop.loop
+        last = BoolOp(Or(), [compare(name(self.trip), Eq(), name(self.following)),
+                             compare(name(self.trip), Eq(), sub(name(self.trips), const(1)))])
+        body: list[AST] = [If(last, self.keep(self.trip, name(self.trips)), []), copy(self.loop.step)]
+        before: list[AST] = [assign(self.trips, call("builtins.len", copy(loop.iter))),
+                             *self.allocated(call("builtins.min", const(self.loop.snapshots + 1), name(self.trips))),
+                             assign(self.count, const(0)), assign(self.following, const(0))]
+        if not self.plain:
+            before.append(assign(self.trip, const(0)))
+            body.append(augment(self.trip, Add(), const(1)))
+        return [*before, self.around(body)]
+
+    def uncounted(self) -> list[AST]:
+        """A loop whose number of steps shows in the end."""
+        most = max(1, 3 * self.loop.snapshots // 4)
+        turn = compare(binary(name(self.trips), Mod(), name(self.gap)), Eq(), const(0))
+        full = BoolOp(And(), [turn, compare(name(self.count), Eq(), const(most))])
+        rows = [self.held, *self.stored.values()]
+        thinned: list[AST] = [Expr(call("runtime.thin", name(r), name(self.count))) for r in rows[:-1]]
+        thinned += [assign(self.count, call("runtime.thin", name(rows[-1]), name(self.count))),
+                    assign(self.gap, binary(const(2), Mult(), name(self.gap)))]
+        body: list[AST] = [If(full, thinned, []), If(copy(turn), self.keep(self.trips, None), []),
+                           copy(self.loop.step), augment(self.trips, Add(), const(1))]
+        if self.loop.left:
+            body.append(If(name(self.loop.left), [Break()], []))
+        return [*self.allocated(const(self.loop.snapshots)), assign(self.count, const(0)), assign(self.gap, const(1)),
+                assign(self.trips, const(0)), self.around(body)]
+
+    def around(self, body: list[AST]) -> AST:
+        loop = self.loop.loop
+        if isinstance(loop, For):
+            return For(loop.target, copy(loop.iter), body, [], None)
+        return While(copy(loop.test), body, [])
+
+    def allocated(self, rows: AST) -> list[AST]:
+        """The arrays of snapshots, and that of the steps before which they are."""
+        made: list[AST] = [assign(self.held, call("numpy.empty", copy(rows), name("numpy.int64")))]
+        for value, snapshots in self.stored.items():
+            kind = self.typing.table[value]
+            size = binary(tuple_of(copy(rows)), Add(), attribute(name(value), "shape")) if kind.is_array else copy(rows)
+            dtype = [] if kind.dtype == "float64" else [
+                name("numpy.bool_" if kind.dtype == "bool" else f"numpy.{kind.dtype}")]
+            made.append(assign(snapshots, call("numpy.empty", size, *dtype)))
+        return made
+
+    def rows(self) -> AST:
+        """How many states there is room for, in the names of the loop's function."""
+        if not self.loop.is_counted:
+            return const(self.loop.snapshots)
+        return call("builtins.min", const(self.loop.snapshots + 1), call("builtins.len", copy(self.loop.loop.iter)))
+
+    def keep(self, trip: str, end: AST | None) -> list[AST]:
+        """The state before a step is kept; before `end` another may be, if that is known."""
+        made: list[AST] = [assign(index(name(self.held), name(self.count)), name(trip))]
+        made += [assign(index(name(s), name(self.count)), name(n)) for n, s in self.stored.items()]
+        made.append(augment(self.count, Add(), const(1)))
+        if end is not None:
+            made.append(assign(self.following, self.next_kept(name(trip), end)))
+        return made
+
+    def next_kept(self, start: AST, end: AST) -> AST:
+        return call("runtime.revolve", start, end, sub(const(self.loop.snapshots), name(self.count)))
+
+    # -- reverse -----------------------------------------------------------------------------------------------------
+
+    def reverse(self, title: str) -> Derivative:
+        """The second half: it takes what the first one keeps as its last argument."""
+        signature, before, after = self.signature()
+        last = index(name(self.held), sub(name(self.count), const(1)))
+        again = self.new("again", INT)
+        run = [If(compare(name(again), Eq(), name(self.following)), self.keep(
+            again, add(name(self.trip), const(1))), []), self.called(name(again))]
+        body: list[AST] = [comment("the last state that is kept before this step, and the steps from there on"),
+                           *self.loads(),
+                           assign(self.following, self.next_kept(copy(last), add(name(self.trip), const(1)))),
+                           counted_for(again, [copy(last), name(self.trip)], run)]
+        body += self.step_adjoint()
+        body.append(If(compare(copy(last), Eq(), name(self.trip)), [augment(self.count, Sub(), const(1))], []))
+        kept = tuple_of(*map(name, (self.held, self.count, self.trips, *self.stored.values())))
+        backwards = counted_for(self.trip, [sub(name(self.trips), const(1)), const(-1), const(-1)], body)
+        returned = [p for p in self.request.wrt if self.typing.table[p].is_number]
+        values: list[AST] = [name(self.shadows[p]) for p in returned]
+        made = function(title, [n for n, _, _ in signature], [
+            assign(kept, name(self.kept)), *before, backwards, *after,
+            *([Return(tuple_of(*values))] if values else [])])
+        return Derivative(made, self.shadows, signature, returned, rows=self.rows(),
+                          snapshots={s: n for n, s in self.stored.items()})
+
+    def signature(self) -> tuple[list[tuple[str, str, str]], list[AST], list[AST]]:
+        """The parameters; the shadows that are bound before the steps, and what is added behind them."""
+        signature: list[tuple[str, str, str]] = []
+        before: list[AST] = []
+        after: list[AST] = []
+        self.bars: dict[str, str] = {}      # of what a step takes and gives
+        for parameter in self.parameters:
+            signature.append((parameter, "primal", parameter))
+            kind, carried = self.typing.table[parameter], parameter in self.loop.carried
+            if kind.is_inexact and parameter in {*self.request.wrt, *self.request.of}:
+                own = self.new(f"{parameter}_first_bar" if carried else f"{parameter}_bar", kind)
+                self.shadows[parameter] = own
+                signature.append((own, "shadow", parameter))
+                if not carried:
+                    self.bars[parameter] = own
+        seeded = {int(o.split()[1]) for o in self.request.of if o.startswith("return ")}
+        for number, output in enumerate(self.loop.outputs):
+            if number in seeded:
+                self.bars[output] = self.new(f"{output}_bar", self.typing.table[output])
+                signature.append((self.bars[output], "seed", f"return {number}"))
+        for used in self.active():
+            if used not in self.bars:
+                kind = self.typing.table[used]
+                self.bars[used] = self.new(f"{used}_bar", kind)
+                before.append(assign(self.bars[used], call("numpy.zeros_like", name(used)) if kind.is_array
+                                     else const(0.0)))
+        for parameter in self.loop.carried:
+            if parameter in self.shadows and parameter in self.bars:
+                after.append(augment(self.shadows[parameter], Add(), name(self.bars[parameter])))
+        signature.append((self.kept, "kept", self.kept))
+        return signature, before, after
+
+    def active(self) -> list[str]:
+        """The names that are active in a step."""
+        return [*(self.step.parameters[k] for k in self.step.arguments), *(
+            self.loop.results[k] for k in self.step.results if k < len(self.loop.results))]
+
+    def loads(self) -> list[AST]:
+        """The state as it was last kept."""
+        place = sub(name(self.count), const(1))
+        return [assign(index(name(n), const(...)) if self.typing.table[n].is_array else n, index(
+            name(s), copy(place))) for n, s in self.stored.items()]
+
+    def called(self, trip: AST) -> AST:
+        """A step, run again."""
+        step = copy(self.loop.step)
+        step.value = self.with_counter(step.value, trip)
+        return step
+
+    def with_counter(self, called: Call, trip: AST) -> Call:
+        """A call with what the loop's counter is in a trip."""
+        if not self.counter or self.counter not in names(called.args):
+            return called
+        return substitute(called, {self.counter: value_in_trip(self.loop.loop, trip)})
+
+    def step_adjoint(self) -> list[AST]:
+        """The adjoint of a step, in the state before it."""
+        callee = self.step.adjoint
+        if callee is None:
+            return []
+        original: Call = self.loop.step.value
+
+        def shadow(argument: AST) -> AST:
+            return const(0.0) if base_name(argument) in self.loop.carried else name(self.bars[base_name(argument)])
+        args = with_shadows(original, callee, shadow)
+        args += [name(self.bars[self.loop.results[k]]) for k in callee.seeds]
+        targets = [self.bars[self.step.parameters[k]] for k in callee.returns]
+        called = self.with_counter(call(callee.name, *args), name(self.trip))
+        made: list[AST] = [assign(tuple_of(*map(name, targets)), called) if targets else Expr(called)]
+        made += [assign(self.bars[self.loop.results[k]], const(0.0)) for k in callee.seeds
+                 if self.bars[self.loop.results[k]] not in targets]
+        return made
+
+
+def from_zero(loop: For) -> bool:
+    """Whether a loop counts its trips."""
+    start, _, step = range_parts(loop)
+    return constant_integer(start) == 0 and step == 1
+
+
+def value_in_trip(loop: AST, trip: AST) -> AST:
+    """The counter of a loop in a trip, which is counted from 0."""
+    start, _, step = range_parts(loop)
+    size = const(step) if isinstance(step, int) else copy(step)
+    moved = trip if step == 1 else binary(trip, Mult(), size)
+    return moved if constant_integer(start) == 0 else add(copy(start), moved)

@@ -1,0 +1,55 @@
+"""marked_loops: loops of which the text says that they keep snapshots are loops over the range alone.
+
+    for k in s2sad.timesteps(range(n), snapshots=20):       for k in range(n):
+
+Where they stand, and how many they keep, is found in the source, by `snapshots_said`.
+"""
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+
+from s2sad import tree
+from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
+from s2sad.program import SourcePlace
+from s2sad.read.outside_values import AST, Captured
+
+_MARK = "timesteps"
+
+
+def unmarked(captured: Captured) -> Captured:
+    """The definition without such marks."""
+    if _MARK not in captured.source.text or not any(map(_marked, tree.walk(captured.tree))):
+        return captured
+    made = tree.copy(captured.tree)
+    for node in tree.walk(made):
+        call = _marked(node)
+        if call is not None:
+            node.iter = call.args[0]
+    return replace(captured, tree=made)
+
+
+def snapshots_said(source: Source, wanted: Collection[SourcePlace]) -> Iterator[tuple[SourcePlace, int]]:
+    """Those of the places wanted at which a loop is marked in a source, and how many snapshots it keeps; raises
+    S2sadError (S408)."""
+    for part in (source, *source.others):
+        if _MARK not in part.text:
+            continue
+        for node in tree.walk(tree.parse(part.text)):
+            call = _marked(node)
+            if call is not None and SourcePlace.of(part, node) in wanted:
+                said = [*call.args[1:], *(k.value for k in call.keywords)]
+                value = said[0].value if len(said) == 1 and isinstance(said[0], tree.Constant) else None
+                if type(value) is not int or value < 1:
+                    raise S2sadError(Diagnostic("S408", "how many snapshots a loop keeps is no positive number here",
+                                                Span.of(part, call), help="write the number: "
+                                                "timesteps(range(n), snapshots=20)"))
+                yield SourcePlace.of(part, node), value
+
+
+def _marked(node: AST) -> tree.Call | None:
+    """The mark of a loop."""
+    call = node.iter if isinstance(node, tree.For) else None
+    if not isinstance(call, tree.Call) or not call.args:
+        return None
+    return call if tree.written(call.func).rpartition(".")[2] == _MARK else None

@@ -1,0 +1,95 @@
+"""named_loops: the loops of a program that keep snapshots, found by what a user calls them.
+
+    "k"             the loop over k of the function that is differentiated
+    "advance.k"     the one of a function that it calls
+    "line 14"       the loop that begins in this line
+"""
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.program import Kernel, Program, SourcePlace
+from s2sad.read.marked_loops import snapshots_said
+from s2sad.tree import AST, For, Name, While, walk, walk_statements
+
+Place = tuple[str, int, int]
+
+
+@dataclass(frozen=True)
+class NamedLoop:
+    """A loop of a kernel, with the names of its counters (none of a `while`)."""
+    kernel: Kernel
+    node: AST
+    counters: tuple[str, ...]
+
+    @property
+    def place(self) -> SourcePlace:
+        return SourcePlace.of(self.kernel.source, self.node)
+
+    def is_called(self, wanted: str, entry: str) -> bool:
+        """Whether a user calls it so."""
+        function, _, counter = wanted.rpartition(".")
+        if wanted == f"line {self.place.line}":
+            return True
+        return self.kernel.name == (function or entry) and counter in self.counters
+
+    def shown(self, entry: str) -> str:
+        """What a user may call it."""
+        line = f'"line {self.place.line}"'
+        if not self.counters:
+            return line
+        return f'"{self.counters[0]}"' if self.kernel.name == entry else f'"{self.kernel.name}.{self.counters[0]}"'
+
+
+def loops_that_keep(program: Program, wanted: tuple[tuple[str, int], ...]) -> Mapping[Place, int]:
+    """How many snapshots are kept by the loops at these places, those that are wanted and those of which the text says
+    so; raises S2sadError for a name of no loop, or of several."""
+    there = loops_of(program) if wanted else []
+    found = dict(program.once(_said))
+    for name, snapshots in wanted:
+        loops = [loop for loop in there if loop.is_called(name, program.entry)]
+        if len({place_of(loop) for loop in loops}) != 1:
+            raise _refused(program, name, loops, there)
+        found[place_of(loops[0])] = snapshots
+    return found
+
+
+def check_outlined(program: Program, kept: Collection[Place], there: Collection[Place]) -> None:
+    """Refuses a loop of the program that is to keep snapshots and is not there any more where derivatives are made."""
+    for loop in loops_of(program):
+        if place_of(loop) in kept and place_of(loop) not in there:
+            raise S2sadError(Diagnostic("S408", "this loop is written out before the run, and keeps no snapshots",
+                                        loop.place.span(), help="leave it out of 'checkpoint'"))
+
+
+def _said(program: Program) -> Mapping[Place, int]:
+    """The loops of which the text says that they keep snapshots."""
+    there = {loop.place for loop in loops_of(program)}
+    sources = dict.fromkeys(k.source for k in program.kernels.values())
+    return {(p.path, p.line, p.column): n for source in sources for p, n in snapshots_said(source, there)}
+
+
+def place_of(loop: NamedLoop) -> Place:
+    return loop.place.path, loop.place.line, loop.place.column
+
+
+def loops_of(program: Program) -> list[NamedLoop]:
+    """The loops of all functions of a program, those of the entry first."""
+    kernels = sorted(program.kernels.values(), key=lambda k: k.name != program.entry)
+    return [NamedLoop(kernel, node, tuple(n.id for n in walk(node.target) if isinstance(n, Name))
+                      if isinstance(node, For) else ())
+            for kernel in kernels for node in walk_statements(kernel.tree.body)
+            if isinstance(node, (For, While)) and getattr(node, "lineno", None)]
+
+
+def _refused(program: Program, name: str, loops: list[NamedLoop], there: list[NamedLoop]) -> S2sadError:
+    if loops:
+        lines = ", ".join(dict.fromkeys(f'"line {loop.place.line}"' for loop in loops))
+        return S2sadError(Diagnostic("S408", f"checkpoint names {name!r}, and {len(loops)} loops of '{program.entry}' "
+                                     "are called so", loops[0].place.span(), help=f"say which one: {lines}"))
+    shown = ", ".join(dict.fromkeys(loop.shown(program.entry) for loop in there))
+    listed = f"its loops are {shown}" if shown else "it has no loops"
+    return S2sadError(Diagnostic("S408", f"checkpoint names {name!r}, which is no loop of '{program.entry}'",
+                                 help=listed))

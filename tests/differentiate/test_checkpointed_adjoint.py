@@ -1,0 +1,377 @@
+"""Loops that keep snapshots in place of a tape: the same gradients, few runs of steps, and only live state is kept."""
+from __future__ import annotations
+
+import threading
+from math import comb
+from typing import Any
+
+import numpy as np
+import pytest
+
+import s2sad
+from s2sad import timesteps
+from tests.differentiate import time_loops
+from tests.differentiate.time_loops import LOOPS
+from tests.harness.derivatives import check_derivatives
+
+
+def _given(kernel, steps: int) -> tuple[Any, ...]:
+    return (0.3 if kernel is time_loops.numbers_alone else np.linspace(0.1, 0.6, 6)), 0.11, steps
+
+
+def _found(kernel, engine: str, steps: int, snapshots: int | None) -> tuple[Any, ...]:
+    """The value and the gradients."""
+    kept = None if snapshots is None else dict.fromkeys(LOOPS[kernel], snapshots)
+    function = s2sad.value_and_gradient(s2sad.differentiate(kernel, engine=engine, checkpoint=kept), wrt=("u", "c"))
+    value, gradients = function(*_given(kernel, steps))
+    return value, gradients["u"], gradients["c"]
+
+
+@pytest.mark.parametrize("kernel", LOOPS, ids=lambda k: k.__name__)
+def test_gradients_are_the_same_bits(kernel):
+    """With one snapshot and with more than there are steps, of loops that run not at all and often."""
+    for steps in (0, 1, 2, 3, 7, 30):
+        expected = _found(kernel, "numpy", steps, None)
+        for snapshots in (1, 3, 50):
+            for mine, plain in zip(_found(kernel, "numpy", steps, snapshots), expected):
+                np.testing.assert_array_equal(mine, plain)
+
+
+@pytest.mark.parametrize("kernel", LOOPS, ids=lambda k: k.__name__)
+def test_gradients_under_numba(kernel):
+    """Where loops are in vectors sums may differ in their last digits from those of a loop that records, and from those
+    of no other number of snapshots."""
+    expected = [_found(kernel, "numba", steps, None) for steps in (0, 1, 30)]
+    found = [_found(kernel, "numba", steps, 3) for steps in (0, 1, 30)]
+    for mine, plain in zip(found, expected):
+        for one, other in zip(mine, plain):
+            np.testing.assert_allclose(one, other, rtol=1e-13)
+
+
+@pytest.mark.parametrize("kernel", [time_loops.work_array, time_loops.left_by_break], ids=lambda k: k.__name__)
+def test_how_many_are_kept_changes_no_digit_under_numba(kernel):
+    found = [_found(kernel, "numba", 30, snapshots) for snapshots in (1, 4, 60)]
+    for other in found[1:]:
+        for one, two in zip(found[0], other):
+            np.testing.assert_array_equal(one, two)
+
+
+def marked(u, c, n):
+    for k in timesteps(range(n), snapshots=4):
+        for m in s2sad.timesteps(range(3), 2):
+            u[m] = u[m] * np.exp(-c * u[m + 1]) + 0.01 * k
+        u[0] = u[0] * u[1]
+    return np.sum(u * u)
+
+
+def until(u, c, n):
+    t = 0.0
+    for _k in timesteps(range(1000), snapshots=3):
+        dt = 0.1 / (1.0 + u[0] ** 2)
+        u[:] = u + dt * c * np.sin(u)
+        t += dt
+        if t > 0.1 * n:
+            break
+    return np.sum(u * u) + t
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel", [marked, until], ids=lambda k: k.__name__)
+def test_dot_products(kernel, engine):
+    measured = check_derivatives(kernel, (np.linspace(0.1, 0.6, 6), 0.2, 9), ("u", "c"), ("u", "return"), engine)
+    assert measured.dot_product <= 1e-12
+    assert max(measured.directional, measured.coordinates) <= 1e-7
+
+
+def test_a_marked_loop_is_the_range_where_nothing_is_differentiated():
+    assert list(timesteps(range(4), snapshots=2)) == [0, 1, 2, 3]
+    u = np.linspace(0.1, 0.6, 6)
+    assert marked(u.copy(), 0.2, 9) == s2sad.differentiate(marked, engine="numba").primal(u.copy(), 0.2, 9)
+
+
+# -- the text, and what it does -----------------------------------------------------------------------------------
+def steps_of(u, c, n):
+    v = np.zeros_like(u)
+    energy, t = 0.0, 0.0
+    for k in range(n):
+        for i in range(u.size):
+            v[i] = np.sin(u[i]) + k * t
+        u += c * v
+        energy += np.sum(u)
+        t = t + 0.1
+    return energy
+
+
+def _text(kernel, *args: Any, k: int) -> str:
+    counter = "_k" if "_k" in kernel.__code__.co_varnames else "k"
+    return s2sad.differentiate(kernel, engine="numpy", checkpoint={counter: k}).adjoint_source(*args)
+
+
+def _watched(kernel, steps: int, snapshots: int) -> list[tuple[int, bytes]]:
+    """The steps that the adjoint runs, in order, each with what the array holds where it begins."""
+    u, ran = np.linspace(0.1, 0.6, 6), []
+    space: dict[str, Any] = {}
+    exec(_text(kernel, u, 0.1, steps, k=snapshots), space)
+    step = space["steps_of_k_step"]
+
+    def watched(k, u, *others):
+        ran.append((k, u.tobytes()))
+        return step(k, u, *others)
+    space["steps_of_k_step"] = watched
+    space["steps_of_adjoint"](u.copy(), np.zeros(6), 0.1, steps, 1.0)
+    return ran
+
+
+def test_steps_run_as_seldom_as_can_be():
+    """The forward sweep runs the last step too, for what is behind the loop, and the adjoints of steps run each."""
+    for steps in (1, 2, 5, 40):
+        for snapshots in (1, 2, 3, 7, 50):
+            repeats = 0
+            while comb(snapshots + repeats, snapshots) < steps:
+                repeats += 1
+            least = repeats * steps - comb(snapshots + repeats, snapshots + 1)
+            assert len(_watched(steps_of, steps, snapshots)) == least + 1
+
+
+def test_a_step_that_runs_again_finds_the_same_bits():
+    found: dict[int, set[bytes]] = {}
+    for step, state in _watched(steps_of, 25, 2):
+        found.setdefault(step, set()).add(state)
+    assert sorted(found) == list(range(25))
+    assert all(len(states) == 1 for states in found.values())
+
+
+def test_only_live_state_is_kept():
+    """Neither a work array that each step fills, nor a sum that no step reads."""
+    text = _text(steps_of, np.ones(4), 0.1, 5, k=3)
+    assert "held, count, trips, u_snapshots, t_snapshots = kept" in text
+
+
+@pytest.mark.parametrize(("kernel", "kept"), [
+    (time_loops.work_array, "u"), (time_loops.filled_row_by_row, "u"), (time_loops.swapped, "v u_1"),
+    (time_loops.flags_and_integers, "u flag m"), (time_loops.bound_counted_down, "u n e"), (time_loops.rebound, "u_1"),
+], ids=lambda p: getattr(p, "__name__", ""))
+def test_what_is_kept(kernel, kept):
+    for engine in ("numpy", "numba"):
+        text = s2sad.differentiate(kernel, engine=engine, checkpoint=dict.fromkeys(
+            LOOPS[kernel], 3)).adjoint_source(*_given(kernel, 5))
+        wanted = ", ".join(["held", "count", "trips", *(f"{name}_snapshots" for name in kept.split())])
+        assert f"    {wanted} = kept\n" in text
+
+
+def rows(u, c, n):
+    """Of `v` a step reads what the one before it has left in another row."""
+    v = np.zeros((3, u.size))
+    for _k in range(n):
+        for i in range(2):
+            v[i] = c * u + v[i + 1]
+        v[2] = u * c
+        u += v[0] * v[1]
+    return np.sum(u)
+
+
+def halves(u, c, n):
+    v = np.zeros((2, u.size))
+    for k in range(n):
+        v[k % 2] = c * u
+        u += v[0] * v[1] + c
+    return np.sum(u)
+
+
+@pytest.mark.parametrize("kernel", [rows, halves], ids=lambda k: k.__name__)
+def test_rows_that_another_step_has_filled_are_kept(kernel):
+    u = np.linspace(0.1, 0.2, 3)
+    assert "v_snapshots" in _text(kernel, u, 0.1, 5, k=2)
+    plain = s2sad.gradient(s2sad.differentiate(kernel, engine="numpy"), wrt=("u", "c"))(u, 0.1, 9)
+    counter = "_k" if kernel is rows else "k"
+    found = s2sad.gradient(kernel, wrt=("u", "c"), checkpoint={counter: 2})(u, 0.1, 9)
+    for name, gradient in plain.items():
+        np.testing.assert_allclose(found[name], gradient, rtol=1e-13)
+
+
+def test_what_is_kept_is_told():
+    kept = s2sad.differentiate(steps_of, engine="numpy", checkpoint={"k": 3})
+    told = str(s2sad.explain(kept, np.ones(4), 0.1, 100))
+    assert "u_snapshots: 128 bytes = 8 * min(4, len(range(n))) * u.size bytes" in told
+    assert "t_snapshots: 32 bytes" in told
+    assert s2sad.check(kept, np.linspace(0.1, 0.3, 4), 0.1, 9, engine="numpy")
+
+
+# -- calls ----------------------------------------------------------------------------------------------------------
+def raising(u, c, n):
+    for k in range(n):
+        u[:] = u * c
+        if k == 7:
+            raise ValueError("too late")
+    return np.sum(u)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_a_step_that_raises_leaves_arguments_as_they_were(engine):
+    u = np.ones(3)
+    with pytest.raises(ValueError, match="too late"):
+        s2sad.gradient(s2sad.differentiate(raising, engine=engine, checkpoint={"k": 2}))(u, 0.5, 10)
+    np.testing.assert_array_equal(u, 1.0)
+
+
+def test_two_threads_at_once():
+    found: list[Any] = [None, None]
+    gradient = s2sad.gradient(s2sad.differentiate(steps_of, engine="numba", checkpoint={"k": 3}), wrt="u")
+    expected = [gradient(np.full(4, 0.1 + k), 0.1, 300) for k in range(2)]
+
+    def run(k: int) -> None:
+        found[k] = gradient(np.full(4, 0.1 + k), 0.1, 300)
+    threads = [threading.Thread(target=run, args=(k,)) for k in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    np.testing.assert_array_equal(found, expected)
+
+
+class Model:
+    def __init__(self, c: float):
+        self.c, self.u = c, np.linspace(0.1, 0.5, 5)
+
+    def run(self, n: int):
+        for k in timesteps(range(n), snapshots=3):
+            self.u = self.u + 0.1 * self.u * (1.0 + k) * self.c
+        return np.sum(self.u)
+
+
+def of_a_model(model, n: int):
+    return model.run(n)
+
+
+def test_a_method_that_replaces_an_array_of_its_object():
+    differentiated = s2sad.differentiate(of_a_model, engine="numpy")
+    assert "u_2_snapshots" in differentiated.adjoint_source(Model(0.2), 9)
+    assert s2sad.check(differentiated, Model(0.2), 9, engine="numpy")
+
+
+def test_all_ways_to_ask():
+    u, c, n = np.linspace(0.1, 0.6, 6), 0.1, 9
+    kept = s2sad.differentiate(steps_of, engine="numpy", checkpoint={"k": 3})
+    expected = s2sad.gradient(s2sad.differentiate(steps_of, engine="numpy"), wrt="u")(u, c, n)
+    bars = [np.zeros(6) for _ in range(2)]
+    kept.adjoint(u.copy(), bars[0], c, n, 1.0)
+    s2sad.autodiff(s2sad.Reverse, kept, s2sad.Duplicated(u.copy(), bars[1]), s2sad.Active(c), n, seed=1.0)
+    bars += [s2sad.vjp(steps_of, (u, c, n), {"return": 1.0}, wrt="u", checkpoint={"k": 3})["u"],
+             s2sad.value_and_gradient(steps_of, wrt="u", checkpoint={"k": 3})(u, c, n)[1]]
+    for found in bars:
+        np.testing.assert_allclose(found, expected, rtol=1e-13)
+    tangent = s2sad.jvp(kept, (u, c, n), {"c": 1.0}, of="return")["return"]
+    np.testing.assert_allclose(tangent, s2sad.gradient(steps_of, wrt="c")(u, c, n), rtol=1e-12)
+
+
+# -- what is refused ------------------------------------------------------------------------------------------------
+def _refused(kernel, checkpoint: Any, *args: Any) -> str:
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(kernel, checkpoint=checkpoint)(*args)
+    return "\n".join(line for line in str(caught.value).splitlines() if " | " not in line)
+
+
+def two_loops(u, n):
+    for _k in range(n):
+        u *= 1.1
+    for _k in range(n):
+        u *= 0.9
+    while u[0] > 1.0:
+        u *= 0.5
+    return np.sum(u)
+
+
+def _line(kernel, behind: int) -> int:
+    return kernel.__code__.co_firstlineno + behind
+
+
+def test_a_loop_that_is_not_there():
+    first = _line(two_loops, 1)
+    assert _refused(two_loops, {"m": 3}, np.ones(3), 4) == (
+        "error[S408]: checkpoint names 'm', which is no loop of 'two_loops'\n"
+        f'  help: its loops are "_k", "line {first + 4}"')
+    assert _refused(time_loops.of_a_helper, {"k": 3}, np.ones(3), 0.1, 4) == (
+        "error[S408]: checkpoint names 'k', which is no loop of 'of_a_helper'\n"
+        '  help: its loops are "decay.i", "helper.k"')
+
+
+def test_a_name_of_two_loops():
+    first = _line(two_loops, 1)
+    assert _refused(two_loops, {"_k": 3}, np.ones(3), 4).endswith(
+        "error[S408]: checkpoint names '_k', and 2 loops of 'two_loops' are called so\n"
+        f'  help: say which one: "line {first}", "line {first + 2}"')
+    found = s2sad.gradient(two_loops, checkpoint={f"line {first + 2}": 2})(np.ones(3), 4)
+    np.testing.assert_allclose(found, s2sad.gradient(two_loops)(np.ones(3), 4), rtol=1e-14)
+
+
+@pytest.mark.parametrize(("checkpoint", "said"), [
+    ("1 GB", "checkpoint is '1 GB'"), ({"k": 2.5}, "checkpoint holds 'k': 2.5"),
+    ({"k": True}, "checkpoint holds 'k': True")])
+def test_what_is_no_number_of_snapshots(checkpoint, said):
+    assert _refused(two_loops, checkpoint, np.ones(3), 4) == (
+        f'error[S408]: {said}\n  help: name loops and how many snapshots each keeps: checkpoint={{"k": 20}}, '
+        '{"advance.k": 20} of a function that is called, {"line 14": 20} by its line')
+
+
+def test_no_snapshots():
+    assert _refused(two_loops, {"k": 0}, np.ones(3), 4) == (
+        "error[S408]: checkpoint holds 'k': 0, and a loop keeps one snapshot at least\n"
+        "  help: more snapshots are fewer steps that run again")
+
+
+def growing(u, n):
+    for _k in range(n):
+        u = np.concatenate((u, 0.5 * u[:1]))
+    return np.sum(u * u)
+
+
+def test_state_that_changes_its_size():
+    said = _refused(growing, {"_k": 3}, np.ones(3), 4)
+    assert said.endswith("error[S201]: 'u' is allocated anew in a loop that keeps snapshots, and is read behind the "
+                         "step\n  help: allocate it before the loop and write it in place, or leave the loop out of "
+                         "'checkpoint'")
+
+
+def own_forward(u):
+    kept = u.copy()
+    u *= u
+    return kept
+
+
+def own_reverse(kept, u, u_bar):
+    u_bar *= 2.0 * kept
+
+
+@s2sad.rule(forward=own_forward, reverse=own_reverse)
+def own(u):
+    u *= u
+
+
+def calls_own(u):
+    own(u)
+    u += 0.5
+
+
+def of_its_own(u, n):
+    for _k in range(n):
+        calls_own(u)
+    return np.sum(u)
+
+
+def test_a_derivative_of_the_users_own():
+    """What it keeps may depend on how often it was called."""
+    assert _refused(of_its_own, {"_k": 3}, np.ones(3), 4).endswith(
+        "error[S201]: 'calls_own' is called in a loop that keeps snapshots, whose steps run again\n"
+        "  help: leave the loop out of 'checkpoint'")
+
+
+def said_how_often(u, n):
+    for _k in timesteps(range(n), "often"):
+        u *= 0.5
+    return np.sum(u)
+
+
+def test_a_mark_that_says_no_number():
+    assert _refused(said_how_often, None, np.ones(3), 4).endswith(
+        "error[S408]: how many snapshots a loop keeps is no positive number here\n"
+        "  help: write the number: timesteps(range(n), snapshots=20)")
