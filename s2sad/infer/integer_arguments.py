@@ -12,7 +12,8 @@ from s2sad.tree import AST, Attribute, Call, call_name
 
 _ALL = range(99)
 _POSITIONS: dict[str, tuple[int, ...] | range] = {
-    **dict.fromkeys(("zeros", "ones", "empty", "full", "identity", "tri"), (0,)),
+    **dict.fromkeys(("zeros", "ones", "empty", "full", "identity", "tri", "hanning", "hamming", "blackman",
+                     "bartlett"), (0,)),
     **dict.fromkeys(("eye", "ndindex", "indices"), _ALL),
     **dict.fromkeys(("tile", "repeat", "roll", "diff", "pad", "trace", "diag", "diagonal", "tril", "triu", "vander",
                      "split", "array_split", "hsplit", "vsplit", "dsplit", "expand_dims", "broadcast_to", "rot90",

@@ -20,8 +20,8 @@ def unit_axes(node: AST, of: Callable[[AST], Type], argument: Callable[[AST], Ty
     if not placed or not rank or not of(node.args[0]).is_array:
         return ()
     given = rule.arguments(node)
-    if "axis" in given and is_true(given.get("keepdims")) and not is_none(given["axis"]):
-        return axes_of(given["axis"], rank) or ()
+    if "axis" in given and is_true(given.get("keepdims")):
+        return tuple(range(rank)) if is_none(given["axis"]) else axes_of(given["axis"], rank) or ()
     if rule.name == "numpy.reshape":
         return tuple(k for k, size in enumerate(items_of(given["shape"])) if whole_number(size) == 1)
     if rule.name == "numpy.expand_dims":

@@ -78,6 +78,7 @@ for _text in (
         # arrays of numbers
         "numpy.tri(N, M=None, k=0)", "numpy.eye(N, M=None, k=0, dtype=numpy.float64)",
         "numpy.identity(n, dtype=numpy.float64)",
+        *(f"numpy.{_window}(M)" for _window in ("hanning", "hamming", "blackman", "bartlett")),
         "numpy.linspace(start, stop, num=50, endpoint=True)",
         "numpy.arange(start, stop=None, step=1, dtype=None)",
         # reductions and running sums

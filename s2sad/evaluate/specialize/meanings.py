@@ -34,7 +34,7 @@ def meaning_value(ev: Evaluator, name: str, meaning: Meaning, node: AST, f: Fram
     if isinstance(meaning, StringValue):
         return constant(meaning.value)
     if isinstance(meaning, UserFunctionValue) and isinstance(meaning.handle, types.FunctionType):
-        return ev.live_function(meaning.handle, node, f)
+        return ev.outside_value(name, meaning.handle, node, f)
     if isinstance(meaning, UserFunctionValue):
         return ev.file_function(meaning.handle)
     if isinstance(meaning, Number):

@@ -152,6 +152,10 @@ def _linspace(args: list[Type], options: Arguments) -> Type:
     return array("float64", 1) if display and all(a.is_number for a in args) else UNKNOWN
 
 
+def _window(args: list[Type], options: Arguments) -> Type:
+    return array("float64", 1) if args[0].is_integer else UNKNOWN
+
+
 def _diagflat(args: list[Type], options: Arguments) -> Type:
     return _diag(args, options) if args[0].rank == 1 else UNKNOWN
 
@@ -226,5 +230,6 @@ SHAPES: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.atleast_3d": _at_least(3), "numpy.dstack": _deep,
     "numpy.rot90": _turned, "numpy.diagflat": _diagflat, "numpy.split": _section, "numpy.array_split": _section,
     "numpy.hsplit": _section, "numpy.vsplit": _stacked_sections, "numpy.tri": _eye,
+    **dict.fromkeys(("numpy.hanning", "numpy.hamming", "numpy.blackman", "numpy.bartlett"), _window),
     "scipy.sparse.entries": _scaled, "scipy.sparse.along": _along,
 }

@@ -16,6 +16,7 @@ from functools import reduce
 
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import axes_of, whole_number, constant_slice
+from s2sad.infer.signatures.options import is_none
 from s2sad.infer.scalar_reductions_types import NORM, SPREAD, reduced_number
 from s2sad.infer.types import UNKNOWN, Type
 from s2sad.infer.unit_axes import unit_axes
@@ -57,7 +58,8 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
             return _shape_slice(node, typing)
         if call_name(node) == "builtins.abs" and len(node.args) == 1 and typing.of(node.args[0]).is_array:
             return at(call("numpy.abs", rebuild(node.args[0], change)), node)
-        if call_name(node) == "numpy.squeeze" and len(node.args) == 1 and not node.keywords and (
+        if call_name(node) == "numpy.squeeze" and len(node.args) == 1 and all(map(is_none, (
+                k.value for k in node.keywords))) and (
                 gone := unit_axes(node.args[0], typing.of, typing.argument)):
             return at(call("numpy.squeeze", rebuild(node.args[0], change), axis=tuple_of(*map(const, gone)),
                            whole=const(True)), node)

@@ -29,13 +29,21 @@ def of_an_outer_function(x):
     return g(x[0]) + g(x[1]) * numpy.sum(x) * base
 
 
+def of_what_is_python_itself(x):
+    from collections import namedtuple
+    from functools import reduce
+    pair = namedtuple("pair", ["a", "b", "c"], defaults=(2.0,))
+    p = pair(x[0], x[1])
+    return reduce(lambda s, v: s * v + 1.0, p)
+
+
 def missing(x):
     import no_such_module
     return no_such_module.f(x)
 
 
 def cases():
-    for kernel in (of_modules, of_an_outer_function):
+    for kernel in (of_modules, of_an_outer_function, of_what_is_python_itself):
         yield Case(kernel, (X,), ("x",))
     yield Case(missing, (X,), refused=(
             "S201 at `import no_such_module`: 'no_such_module' is imported, which fails: No module named "

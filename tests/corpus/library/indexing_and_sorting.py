@@ -103,6 +103,8 @@ def shapes(a, x, y):
     b = np.dstack((a, a * a))
     s = np.sum(b[:, :, 0] * b[:, :, 1]) + np.sum(np.atleast_1d(x[0]) * x) + np.sum(np.atleast_2d(y) * a)
     s += np.sum(np.rot90(a) * np.arange(12.0).reshape(4, 3)) + np.sum(np.rot90(a, -1)[0]) + np.sum(np.rot90(a, 2) * a)
+    s += np.sum(np.hanning(x.size) * x) * np.sum(np.hamming(3) * x**2) + np.sum(np.blackman(3) * x * np.bartlett(3))
+    s += np.hanning(1)[0] * x[0] + np.bartlett(1)[0] * x[1] + np.squeeze(np.max(a, keepdims=True)) * x[0]
     s += np.sum(np.tri(3, 4) * a) + np.sum(np.diagflat(x) * a[:, 1:]) + np.sum(a.flatten()[3:] ** 2)
     return s + np.sum((x * 9.0).astype(int) * x) + np.sum((x > 0.7).astype(float) * x * x.astype(np.float64))
 

@@ -26,6 +26,10 @@ ROWS = {
         np.linspace(0.0, 1.0, 4, endpoint=False) * x
         np.logspace(x[0], y[1], 4)
         np.geomspace(x[0], y[1], 4)
+        np.hanning(4) * x
+        np.hamming(4) * x
+        np.blackman(4) * x
+        np.bartlett(4) * x
         np.diag(x) @ x
         np.diag(m)
         np.diag(m, 1)

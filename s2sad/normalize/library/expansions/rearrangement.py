@@ -246,6 +246,12 @@ def _arange(args: CallArguments) -> str:
                  f"    result[place] = {value}")
 
 
+def _window(value: str) -> str:
+    """A window over the places from -1 to 1; of one element it is 1."""
+    return lines(f"result = {empty(['M'], 'float64')}", "for k in range(M):",
+                 "    place = (2 * k - M + 1) / max(M - 1, 1)", f"    result[k] = {value}")
+
+
 def _along_diagonal(args: CallArguments) -> str:
     dtype = args.type("values").dtype if args.type("values").is_float else "float64"
     return lines(f"result = {empty(['size'], dtype)}", "result[...] = values")
@@ -258,6 +264,11 @@ EXPANSIONS: dict[str, Callable[[CallArguments], str]] = {
     "numpy.trace": _trace, "numpy.tril": lambda args: _triangle(args, ":bound", " + 1"),
     "numpy.triu": lambda args: _triangle(args, "bound:", ""), "numpy.eye": _eye, "numpy.identity": _identity,
     "numpy.linspace": _linspace, "numpy.arange": _arange, "numpy.tri": _tri,
+    "numpy.hanning": lambda args: _window("0.5 + 0.5 * numpy.cos(numpy.pi * place)"),
+    "numpy.hamming": lambda args: _window("0.54 + 0.46 * numpy.cos(numpy.pi * place)"),
+    "numpy.blackman": lambda args: _window(
+        "0.42 + 0.5 * numpy.cos(numpy.pi * place) + 0.08 * numpy.cos(2.0 * numpy.pi * place)"),
+    "numpy.bartlett": lambda args: _window("1.0 - numpy.abs(place)"),
     "numpy.atleast_1d": lambda args: _atleast(args, 1), "numpy.atleast_2d": lambda args: _atleast(args, 2),
     "numpy.atleast_3d": _atleast_3d,
     "numpy.rot90": _rot90, "numpy.astype": _astype, "numpy.diagflat": _diag, "numpy.split": _split,
