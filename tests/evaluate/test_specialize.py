@@ -1,6 +1,8 @@
 """The evaluator: kernels with objects, lists, dicts and functions as values have right values and derivatives."""
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -8,12 +10,13 @@ from s2sad import S2sadError, gradient
 from tests.evaluate.test_objects import State
 from tests.harness.derivatives import check_derivatives
 from tests.evaluate.objects import (
-    control, exchanges, gathered, generators, identity, laziness, loop_exits, patterns, plain_python, solvers,
+    control, exchanges, gathered, generators, identity, known_counts, laziness, loop_exits, patterns,
+    plain_python, solvers,
 )
 
 CASES = [(f"{module.__name__.rpartition('.')[2]}.{case.kernel.__name__}", case)
-         for module in (identity, control, exchanges, gathered, generators, laziness, loop_exits, patterns,
-                        plain_python, solvers)
+         for module in (identity, control, exchanges, gathered, generators, known_counts, laziness, loop_exits,
+                        patterns, plain_python, solvers)
          for case in module.cases()]
 
 
@@ -29,6 +32,21 @@ def once_in_each_round(x):
         for a, b in pairs:
             s += a * b
     return s
+
+
+def counting_behind_a_cache(x):
+    calls = [0]
+
+    @functools.cache
+    def f(k):
+        calls[0] += 1
+        return x[k]
+    return f(0) + f(0) + calls[0] * x[1]
+
+
+def test_a_function_behind_a_cache_does_nothing_else():
+    with pytest.raises(S2sadError, match="a function behind a cache gives one object for all calls"):
+        gradient(counting_behind_a_cache)(np.array([0.3, 0.7]))
 
 
 @pytest.mark.parametrize("kernel", [twice, once_in_each_round])

@@ -289,7 +289,11 @@ class Evaluator(Operations):
 
     def has_acted(self, before: Snapshot) -> bool:
         """Whether something was emitted since, or an object that was there holds something else."""
-        return len(self.block) > len(before.block) or any(
+        return len(self.block) > len(before.block) or self.has_changed(before)
+
+    def has_changed(self, before: Snapshot) -> bool:
+        """Whether an object that was there holds something else."""
+        return any(
             self.heap.objects.get(n) is not held for n, held in before.objects.items())
 
     def restore(self, before: Snapshot) -> None:

@@ -68,6 +68,8 @@ def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> 
         return LibraryValue("logging")
     if type(value) is functools.partial:
         return _partial(ev, value, name, node, f)
+    if isinstance(value, functools._lru_cache_wrapper):
+        return LibraryValue("functools.cached", (ev.live_function(taken(value, "attribute", "__wrapped__"), node, f),))
     standard = _standard(value)
     if standard:
         return LibraryValue(standard)

@@ -114,17 +114,47 @@ def _harmless(body: Sequence[AST]) -> bool:
 
 @statement("Match")
 def match(ev: Evaluator, s: Any, f: Frame) -> None:
-    subject = ev.atoms(ev.value(s.subject, f), "subject", s)
-    for case in s.cases:
-        if _matches(ev, case.pattern, subject, f):
-            if case.guard is not None:
-                passes = ev.test_of(case.guard, f)
-                if isinstance(passes, Data):
-                    raise ev.unknown(case.guard, "the guard of a case must be known before the run", passes)
-                if not passes:
-                    continue
+    _try_cases(ev, s, ev.atoms(ev.value(s.subject, f), "subject", s), 0, f)
+
+
+def _try_cases(ev: Evaluator, s: Any, subject: Value, k: int, f: Frame) -> None:
+    """The first case from a place on that applies; where only the run knows whether one does, the others are its
+    `else`."""
+    if k == len(s.cases):
+        return
+    case = s.cases[k]
+
+    def otherwise() -> None:
+        _try_cases(ev, s, subject, k + 1, f)
+
+    def guarded() -> None:
+        passes = True if case.guard is None else ev.test_of(case.guard, f)
+        if isinstance(passes, Data):
+            ev.branch(passes, (lambda: ev.statements(case.body, f), otherwise), case.guard)
+        elif passes:
             ev.statements(case.body, f)
-            return
+        else:
+            otherwise()
+    applies = _test_of_pattern(ev, case.pattern, subject, f)
+    if isinstance(applies, Data):
+        ev.branch(applies, (guarded, otherwise), case.pattern)
+    elif applies:
+        guarded()
+    else:
+        otherwise()
+
+
+def _test_of_pattern(ev: Evaluator, pattern: Any, subject: Value, f: Frame) -> bool | Data:
+    """Whether a pattern applies; of a number that only the run knows, the comparison with a value, or with several."""
+    if type(pattern).__name__ == "MatchValue" and isinstance(subject, Data):
+        return ev.truth(ev.compared(tree.Eq(), subject, ev.value(pattern.value, f), pattern, f), pattern, f)
+    if type(pattern).__name__ != "MatchOr":
+        return _matches(ev, pattern, subject, f)
+    tests = [_test_of_pattern(ev, p, subject, f) for p in pattern.patterns]
+    unknown = [ev.spelled(t, pattern) for t in tests if isinstance(t, Data)]
+    if True in tests or not unknown:
+        return True in tests
+    return Data(tree.at(unknown[0] if len(unknown) == 1 else tree.BoolOp(tree.Or(), unknown), pattern))
 
 
 def _matches(ev: Evaluator, pattern: Any, subject: Value, f: Frame) -> bool:

@@ -21,6 +21,9 @@ from s2sad.evaluate.specialize.values import (
 from s2sad.tree import AST
 
 
+_SHORT = 64     # items of an array, in a list or a tuple
+
+
 # -- Python's own ----------------------------------------------------------------------------------------------------
 @function("builtins.len")
 def _len(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
@@ -70,9 +73,19 @@ def _slice(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 
 @function("builtins.list")
 def _list(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value | None:
-    if args and isinstance(args[0], Data) and not isinstance(args[0].known, (str, tuple)):
+    if args and isinstance(args[0], Data) and not isinstance(args[0].known, (str, tuple)) and not _is_short(
+            ev, args[0], node, f):
+        count = ev.length(args[0], node, f)
+        if count.demands and not args[0].is_list:
+            raise ev.unknown(node, "how many items a list has must be known before the run", count)
         return None
     return ev.list_of(ev.items_of(args[0], node, f) if args else [], node)
+
+
+def _is_short(ev: Evaluator, value: Data, node: AST, f: Frame) -> bool:
+    """Whether so many items of an array are known as may be written out."""
+    count = ev.length(value, node, f).known
+    return type(count) is int and count <= _SHORT
 
 
 @function("collections.deque")
@@ -86,8 +99,10 @@ def _deque(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> 
 
 @function("builtins.tuple")
 def _tuple(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value | None:
-    if args and isinstance(args[0], Data) and not isinstance(args[0].known, (str, tuple)):
-        return None
+    if args and isinstance(args[0], Data) and not isinstance(args[0].known, (str, tuple)) and not _is_short(
+            ev, args[0], node, f):
+        return replace(ev.residual_call(tree.at(tree.name(ev.library("builtins.tuple")), node), args, {}, node),
+                       origins=origins(args[0]))
     return TupleValue(tuple(ev.items_of(args[0], node, f)) if args else ())
 
 

@@ -40,12 +40,29 @@ def _partial(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -
     raise ev.refusal(node, f"a partial of {ev.kind_of(inner)}")
 
 
+@function("functools.cached")
+def _cached(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    """What a function behind a cache gives, of which there is one for all calls: a number, and nothing else is done."""
+    before = ev.snapshot()
+    found = ev.call(args[0], args[1:], options, node, f)
+    if not (isinstance(found, Data) and (found.is_known or found.shape == ())) or ev.has_changed(before):
+        raise ev.refusal(node, "a function behind a cache gives one object for all calls, which is no number",
+                         help="call the function inside: give it a name, as in inner = f.__wrapped__")
+    return found
+
+
 @function("functools.wraps")
 def _wraps(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     return LibraryValue("s2sad.identity")
 
 
-@function("s2sad.identity", "functools.lru_cache", "functools.cache", "builtins.staticmethod", "typing.cast",
+@function("functools.lru_cache", "functools.cache")
+def _cache(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    functions = tuple(a for a in args if isinstance(a, FunctionValue))
+    return LibraryValue("functools.cached" if functions else "functools.cache", functions)
+
+
+@function("s2sad.identity", "builtins.staticmethod", "typing.cast",
           "typing.final", "abc.abstractmethod", "numba.jit", "numba.njit")
 def _identity(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
     functions = [a for a in args if isinstance(a, (FunctionValue, Data, Reference))]
