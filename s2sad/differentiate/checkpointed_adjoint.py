@@ -1,18 +1,19 @@
 """checkpointed_adjoint: the adjoint of an outlined loop, in two halves. The first runs the loop and keeps the state of
-some steps; the second takes the steps backwards, each from the last state that is kept before it: it runs the steps
-between again, keeps states on the way, and calls the step's adjoint.
+some steps; the second takes the steps backwards, each in the state before it: where that is not kept, the steps from
+the last one that is are run again, and states are kept on the way.
 
-    def f_k_loop_forward(n, u):             def f_k_loop_adjoint(n, u, u_bar, kept):
-        ...                                     held, count, trips, u_snapshots = kept
-        for k in range(n):                      for k in range(trips - 1, -1, -1):
-            if k == following ...:                  u[...] = u_snapshots[count - 1]
-                held[count] = k                     for again in range(held[count - 1], k):
-                u_snapshots[count] = u                  ... keep ...
-                count += 1                              f_k_step(again, u)
-                ...                                 f_k_step_adjoint(k, u, u_bar)
-            f_k_step(k, u)                          if held[count - 1] == k:
-        return (held, count, trips, u_snapshots)        count -= 1
+    def f_k_loop_forward(n, u):                     def f_k_loop_adjoint(n, u, u_bar, kept):
+        ...                                             held, count, trips, u_snapshots = kept
+        for k in range(n):                              for k in range(trips - 1, -1, -1):
+            if k == following or k == trips - 1:            if held[count - 1] < k:
+                held[count] = k                                 ... run again, and keep ...
+                u_snapshots[count] = u                      f_k_step_adjoint(k, u_snapshots[count - 1], u_bar)
+                count += 1                                  count -= 1
+                ...
+            f_k_step(k, u)
+        return (held, count, trips, u_snapshots)
 
+A state lies in a row of its arrays' snapshots, where steps run in place; there is one row more than states are kept.
 Which states are kept is for `runtime.revolve` to say where the number of steps is known, at the least number of runs;
 else every second, fourth, ... one is, and what is left is kept on the way back.
 """
@@ -33,7 +34,7 @@ from s2sad.liveness import base_name
 from s2sad.naming import Names
 from s2sad.normalize.calls.outlining import OutlinedLoop
 from s2sad.tree import (
-    AST, Add, And, BoolOp, Break, Call, Eq, Expr, For, FunctionDef, If, Mod, Mult, Or, Return,
+    AST, Add, And, BoolOp, Break, Call, Eq, Expr, For, FunctionDef, If, Lt, Mod, Mult, Or, Return,
     Sub, While, add, assign, attribute, augment, binary, call, comment, compare, const, copy, counted_for, function,
     index, name, names, sub, substitute, tuple_of,
 )
@@ -109,8 +110,8 @@ class CheckpointedAdjoint:
                            copy(self.loop.step), augment(self.trips, Add(), const(1))]
         if self.loop.left:
             body.append(If(name(self.loop.left), [Break()], []))
-        return [*self.allocated(const(self.loop.snapshots)), assign(self.count, const(0)), assign(self.gap, const(1)),
-                assign(self.trips, const(0)), self.around(body)]
+        zeros = [assign(n, const(0)) for n in (self.count, self.trips)]
+        return [*self.allocated(const(self.loop.snapshots + 1)), *zeros, assign(self.gap, const(1)), self.around(body)]
 
     def around(self, body: list[AST]) -> AST:
         loop = self.loop.loop
@@ -132,7 +133,7 @@ class CheckpointedAdjoint:
     def rows(self) -> AST:
         """How many states there is room for, in the names of the loop's function."""
         if not self.loop.is_counted:
-            return const(self.loop.snapshots)
+            return const(self.loop.snapshots + 1)
         return call("builtins.min", const(self.loop.snapshots + 1), call("builtins.len", copy(self.loop.loop.iter)))
 
     def keep(self, trip: str, end: AST | None) -> list[AST]:
@@ -152,16 +153,10 @@ class CheckpointedAdjoint:
     def reverse(self, title: str) -> Derivative:
         """The second half: it takes what the first one keeps as its last argument."""
         signature, before, after = self.signature()
-        last = index(name(self.held), sub(name(self.count), const(1)))
-        again = self.new("again", INT)
-        run = [If(compare(name(again), Eq(), name(self.following)), self.keep(
-            again, add(name(self.trip), const(1))), []), self.called(name(again))]
-        body: list[AST] = [comment("the last state that is kept before this step, and the steps from there on"),
-                           *self.loads(),
-                           assign(self.following, self.next_kept(copy(last), add(name(self.trip), const(1)))),
-                           counted_for(again, [copy(last), name(self.trip)], run)]
-        body += self.step_adjoint()
-        body.append(If(compare(copy(last), Eq(), name(self.trip)), [augment(self.count, Sub(), const(1))], []))
+        last = sub(name(self.count), const(1))
+        behind = compare(index(name(self.held), last), Lt(), name(self.trip))
+        body = [comment("the state before this step, by the steps from the last one that is kept"),
+                If(behind, self.run_again(), []), *self.step_adjoint(), augment(self.count, Sub(), const(1))]
         kept = tuple_of(*map(name, (self.held, self.count, self.trips, *self.stored.values())))
         backwards = counted_for(self.trip, [sub(name(self.trips), const(1)), const(-1), const(-1)], body)
         returned = [p for p in self.request.wrt if self.typing.table[p].is_number]
@@ -171,6 +166,31 @@ class CheckpointedAdjoint:
             *([Return(tuple_of(*values))] if values else [])])
         return Derivative(made, self.shadows, signature, returned, rows=self.rows(),
                           snapshots={s: n for n, s in self.stored.items()})
+
+    def run_again(self) -> list[AST]:
+        """The steps from the last state that is kept on, in the row behind it; states are kept on the way."""
+        again = self.new("again", INT)
+        last, end = index(name(self.held), sub(name(self.count), const(1))), add(name(self.trip), const(1))
+        keep: list[AST] = [*self.held_in_row(name(again)), *self.next_row(), assign(
+            self.following, self.next_kept(name(again), copy(end)))]
+        run = [If(compare(name(again), Eq(), name(self.following)), keep, []), self.called(name(again))]
+        numbers: list[AST] = [assign(n, index(name(s), sub(name(self.count), const(1))))
+                              for n, s in self.stored.items() if not self.typing.table[n].is_array]
+        return [assign(self.following, self.next_kept(last, end)), *self.next_row(), *numbers,
+                counted_for(again, [copy(last), name(self.trip)], run), *self.held_in_row(name(self.trip))]
+
+    def held_in_row(self, trip: AST) -> list[AST]:
+        """The row behind the last state that is kept holds another one, that before a trip."""
+        made: list[AST] = [assign(index(name(self.held), name(self.count)), trip)]
+        made += [assign(index(name(s), name(self.count)), name(n)) for n, s in self.stored.items()
+                 if not self.typing.table[n].is_array]
+        return [*made, augment(self.count, Add(), const(1))]
+
+    def next_row(self) -> list[AST]:
+        """The arrays of the last state that is kept, in the row behind it."""
+        last = sub(name(self.count), const(1))
+        return [assign(index(name(s), name(self.count)), index(name(s), copy(last)))
+                for n, s in self.stored.items() if self.typing.table[n].is_array]
 
     def signature(self) -> tuple[list[tuple[str, str, str]], list[AST], list[AST]]:
         """The parameters; the shadows that are bound before the steps, and what is added behind them."""
@@ -209,17 +229,16 @@ class CheckpointedAdjoint:
         return [*(self.step.parameters[k] for k in self.step.arguments), *(
             self.loop.results[k] for k in self.step.results if k < len(self.loop.results))]
 
-    def loads(self) -> list[AST]:
-        """The state as it was last kept."""
-        place = sub(name(self.count), const(1))
-        return [assign(index(name(n), const(...)) if self.typing.table[n].is_array else n, index(
-            name(s), copy(place))) for n, s in self.stored.items()]
-
     def called(self, trip: AST) -> AST:
-        """A step, run again."""
+        """A step, run again in the row behind the last state that is kept."""
         step = copy(self.loop.step)
-        step.value = self.with_counter(step.value, trip)
+        step.value = self.in_row(self.with_counter(step.value, trip), name(self.count))
         return step
+
+    def in_row(self, called: Call, row: AST) -> Call:
+        """A call with a row of snapshots for each array of the state."""
+        return substitute(called, {n: index(name(s), row) for n, s in self.stored.items()
+                                   if self.typing.table[n].is_array})
 
     def with_counter(self, called: Call, trip: AST) -> Call:
         """A call with what the loop's counter is in a trip."""
@@ -236,7 +255,9 @@ class CheckpointedAdjoint:
 
         def shadow(argument: AST) -> AST:
             return const(0.0) if base_name(argument) in self.loop.carried else name(self.bars[base_name(argument)])
-        args = with_shadows(original, callee, shadow)
+        last = sub(name(self.count), const(1))
+        row = {n: index(name(s), last) for n, s in self.stored.items()}
+        args: list[AST] = [substitute(a, row) for a in with_shadows(original, callee, shadow)]
         args += [name(self.bars[self.loop.results[k]]) for k in callee.seeds]
         targets = [self.bars[self.step.parameters[k]] for k in callee.returns]
         called = self.with_counter(call(callee.name, *args), name(self.trip))
