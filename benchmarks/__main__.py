@@ -10,7 +10,7 @@ import platform
 import sys
 from collections.abc import Callable
 
-from benchmarks import arrays, deriving, first_gradient, memory, overhead, ratios, returning
+from benchmarks import arrays, deriving, first_gradient, memory, overhead, ratios, returning, snapshots
 from benchmarks.peers import gradbench
 from benchmarks.peers.__main__ import main as peers
 from benchmarks.peers.machine import processor
@@ -26,7 +26,8 @@ PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
     "returning": (returning.tables, "functions that return arrays, called four times a step"),
     "first": (first_gradient.tables, "time to the first gradient, cold and warm cache"),
     "deriving": (deriving.tables, "time to write an adjoint against the length of the kernel, with exponents"),
-    "memory": (memory.tables, "peak memory against arrays, shadows and recorded values"),
+    "memory": (lambda quick, kernels: [*memory.tables(quick, kernels), *snapshots.tables(quick, kernels)],
+               "peak memory against arrays, shadows and recorded values, and of long loops that keep snapshots"),
     "published": (published.tables, "fifty published kernels: gradients over primals, and against JAX's"),
     "gradbench": (gradbench.tables, "GradBench's evals beside C++ by hand"),
 }

@@ -79,15 +79,16 @@ def main(name: str) -> None:
     del arguments
     given = sum(a.nbytes for a in shadowed if isinstance(a, np.ndarray))
     adjoint = f.compiled("adjoint", *shadowed)
-    before = _resident("VmRSS")
+    before = resident("VmRSS")
     Path("/proc/self/clear_refs").write_text("5")  # the high-water mark starts anew
     adjoint(*shadowed)
-    peak = _resident("VmHWM") - before
+    peak = resident("VmHWM") - before
     print(json.dumps({"arguments": given / MIB, "local": local / MIB, "recorded": recorded / MIB,
                       "peak": (peak + given) / MIB}))
 
 
-def _resident(what: str) -> float:
+def resident(what: str) -> float:
+    """Bytes of this process by the system's count."""
     line = next(line for line in STATUS.read_text().splitlines() if line.startswith(what))
     return 1024.0 * float(line.split()[1])
 

@@ -103,6 +103,8 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     def final(d: UnitDerivative) -> FunctionDef:
         return d.function if request.level != "fast" or d.function.name in sharing else fast(d, units)
     functions = primal_functions(units, kernels_called(made, units))
+    if request.level == "fast" and request.engine == "numba":       # steps that run again are most of what runs
+        functions = [fast_primal(f, units, True) if units.titled[f.name].outlined else f for f in functions]
     sources = [units.titled[f.name].kernel.source for f in functions]
     for d in units.derived.values():
         more = [*d.beside, *([] if d is derived else [documented(with_origins(final(d), d.unit.kernel.source), d)])]
@@ -147,12 +149,13 @@ def fast(derived: UnitDerivative, units: Units) -> FunctionDef:
     return run(optimize.PASSES, derived.function, context)
 
 
-def fast_primal(function: FunctionDef, units: Units) -> FunctionDef:
-    """A kernel's function after the passes of `optimize`."""
+def fast_primal(function: FunctionDef, units: Units, adjoint: bool = False) -> FunctionDef:
+    """A kernel's function after the passes of `optimize`, those for adjoints if it is a part of one."""
     unit = units.titled[function.name]
     context = DerivativeContext(
         program=units.program, kernel=unit.kernel, names=Names(), engine=units.engine, watch=units.watch,
-        types=unit.lowered_types, effects=units.effects, live_out=set(), adjoint=False,
+        types=unit.lowered_types, effects=units.effects, adjoint=adjoint,
+        live_out={p.id for p in function.args.args if unit.typing.table[p.id].is_array} if adjoint else set(),
         writing=_writing(function, units))
     return run(optimize.PASSES, function, context)
 

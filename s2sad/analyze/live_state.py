@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 from s2sad.liveness import Accesses, Liveness, base_name, read_names, targets
 from s2sad.tree import (
-    AST, Assign, Call, Constant, Expr, For, FunctionDef, If, Name, Return, Subscript, While, dump, names, stored_names,
-    user_call, walk, walk_statements, with_body,
+    AST, Assign, Attribute, Call, Constant, Expr, For, FunctionDef, If, Name, Return, Subscript, While, dump, names,
+    stored_names, user_call, walk, walk_statements, with_body,
 )
 
 Callee = Callable[[Call], FunctionDef | None]
@@ -73,7 +73,8 @@ class _Refill:
             user_call(n) and self.array in map(base_name, n.args) for n in walk(statement))
 
     def reads(self, node: AST) -> bool:
-        return any(isinstance(n, Name) and n.id == self.array for n in walk(node))
+        """Whether something reads elements of the array; its size is none."""
+        return self.array in read_names(node)
 
     def block(self, block: list[AST], varying: Set[str]) -> bool:
         """Whether a block that stores into the array does so before it reads it; `varying` are the names that the loops
@@ -96,7 +97,8 @@ class _Refill:
     def reads_only(self, statement: AST, filled: set[str]) -> bool:
         """Whether a statement reads elements of the array that have just been stored, and no others."""
         found = [n for n in walk(statement) if isinstance(n, Subscript) and base_name(n) == self.array]
-        count = sum(isinstance(n, Name) and n.id == self.array for n in walk(statement))
+        sizes = sum(isinstance(n, Attribute) and base_name(n.value) == self.array for n in walk(statement))
+        count = sum(isinstance(n, Name) and n.id == self.array for n in walk(statement)) - sizes
         return len(found) == count and all(dump(n) in filled for n in found)
 
     def statement(self, statement: AST, varying: Set[str]) -> bool:

@@ -19,14 +19,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from s2sad.blocks import with_blocks
+from s2sad.infer.affine import Affine
+from s2sad.infer.shapes import shapes_of
 from s2sad.infer.types import BOOL
 from s2sad.liveness import Accesses, Liveness, base_name, targets
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.program import SourcePlace
 from s2sad.tree import (
-    AST, Assign, Break, Call, Expr, For, FunctionDef, If, Name, Return, Subscript, While, assign, at, call, call_name,
-    const, copy, function, name, names, replica, stored_names, tuple_of, user_call, walk, walk_statements, with_body,
+    AST, Assign, Attribute, Break, Call, Expr, For, FunctionDef, If, Name, Return, Subscript, While, assign, at,
+    attribute, call, call_name, const, copy, dump, function, index, name, names, rebuild, replica, stored_names,
+    times_bound, tuple_of, user_call, walk, walk_statements, with_body,
 )
 
 
@@ -63,7 +66,7 @@ class _Outlining:
     """One function; `live` of all of its statements."""
 
     def __init__(self, function: FunctionDef, context: NormalContext):
-        self.context, self.typing = context, context.typing
+        self.context, self.typing, self.whole = context, context.typing, function
         self.live = Liveness(function, set(), Accesses(), strong=False)
         self.unbound: list[AST] = []
         self.bound = {p.id for p in function.args.args}
@@ -145,7 +148,8 @@ class _Outlining:
         breaks = any(isinstance(s, Break) for s in walk_of_loop(loop.body))
         left = self.typing.declare(self.context.names.fresh("left"), BOOL) if breaks else ""
         bound = [*results, *([left] if left else [])]
-        step = self.function(f"{title}_step", taken, _leaving(_quiet(loop.body), left), bound, None)
+        steps = self.with_known_sizes(loop, taken)
+        step = self.function(f"{title}_step", taken, _leaving(_quiet(steps), left), bound, None)
         called = at(call_statement(step, taken, bound), loop)
         body = [called, *([at(If(name(left), [Break()], []), loop)] if left else [])]
         head = loop.iter if isinstance(loop, For) else loop.test
@@ -158,6 +162,26 @@ class _Outlining:
                               OutlinedLoop(around, called, tuple(results), left, carried, tuple(after), snapshots))
         self.bound |= {*after}
         return [call_statement(whole, given, after)]
+
+    def with_known_sizes(self, loop: AST, taken: list[str]) -> list[AST]:
+        """The body of a loop, in which sizes of the arrays taken that are known to be equal here are spelled alike: its
+        function does not know how they were allocated."""
+        shapes = shapes_of(self.whole, self.typing)
+        shapes.enter(loop)
+        bound = times_bound(self.whole.body, Assign)
+        given = {n for n in taken if n not in stored_names(loop.body)}
+        first: dict[Affine, AST] = {}
+        alike: dict[str, AST] = {}
+        for array in (n for n in taken if self.typing.table[n].is_array and bound[n] <= 1):
+            for axis, size in enumerate(shapes.of(name(array))):
+                if size is None:
+                    continue
+                own = index(attribute(name(array), "shape"), const(axis))
+                known = shapes.expression(size)
+                shown = known if set(names(known)) <= given else own
+                alike[dump(own)] = first.setdefault(shapes.reduced(size), shown)
+        return rebuild(loop.body, lambda n: copy(alike.get(dump(n), n)) if isinstance(n, Subscript) and isinstance(
+            n.value, Attribute) and n.value.attr == "shape" else None)
 
     def function(self, title: str, parameters: list[str], body: list[AST], results: list[str],
                  outlined: OutlinedLoop | None) -> str:
