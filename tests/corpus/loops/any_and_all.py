@@ -117,10 +117,20 @@ def of_an_array(x):
     return x[1]
 
 
+def what_was_asked_is_kept(x):
+    asked = []
+
+    def exceeds(v):
+        asked.append(v * x[0])
+        return v > 2.5
+    found = any(exceeds(v) for v in x)
+    return sum(asked) * (2.0 if found else 3.0) * len(asked)
+
+
 EVERY = (
     left_at_the_first, asked_as_far_as_need_be, left_at_the_first_that_fails, turned_around, several_loops,
     of_a_list, of_a_list_under_a_name, of_integers, of_floats, of_nothing, one_in_another, in_a_loop, by_a_helper,
-    of_an_array)
+    of_an_array, what_was_asked_is_kept)
 
 
 def cases():
