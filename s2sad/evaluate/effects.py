@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from functools import cached_property
 
-from s2sad.evaluate.mutating_calls import stored_by_call, stored_out
+from s2sad.evaluate.mutating_calls import UNSUPPORTED, stored_by_call, stored_out
 from s2sad.program import Program
 from s2sad.rules import find
 from s2sad.tree import (
@@ -102,7 +102,7 @@ class Memory:
                 found |= {self._class(node.target.id)} if node.target.id not in self._scalars else set()
             elif (called := call_name(node) or "").startswith("user.") and self.writes(called[len("user."):]):
                 found |= {self._class(n) for n in _names(node.args + node.keywords)} | {GLOBAL}
-            elif isinstance(node, Call) and _writing_call(node):
+            elif isinstance(node, Call) and is_writing_call(node):
                 found |= {self._class(n) for n in _names(node)}
         return found
 
@@ -142,14 +142,17 @@ def _writes(function: FunctionDef, callee_writes: Callable[[str], bool]) -> bool
         called = call_name(node) or ""
         if called.startswith("user.") and callee_writes(called[len("user."):]):
             return True
-        if isinstance(node, Call) and _writing_call(node):
+        if isinstance(node, Call) and is_writing_call(node):
             return True
     return False
 
 
-def _writing_call(node: Call) -> bool:
-    method = isinstance(node.func, Attribute) and node.func.attr in ("fill", "sort", "resize", "put", "itemset")
-    return method or stored_by_call(node) is not None or any(k.arg == "out" for k in node.keywords)
+def is_writing_call(node: Call) -> bool:
+    """Whether a call of a library's function or of a method writes an array that it is given."""
+    attr = node.func.attr if isinstance(node.func, Attribute) else ""
+    return attr in ("fill", "sort", "resize", "put", "itemset", "partition") or attr.startswith("__") or (
+        call_name(node) in UNSUPPORTED or stored_by_call(node) is not None or any(
+            k.arg == "out" for k in node.keywords))
 
 
 def _names(node: AST | list[AST]) -> list[str]:

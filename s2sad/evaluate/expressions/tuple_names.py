@@ -22,7 +22,7 @@ from collections.abc import Callable
 from s2sad.evaluate.argument_binding import result_structure, user_call
 from s2sad.evaluate.loops.late_reads import late_reads
 from s2sad.evaluate.expressions.hoist import constant_index
-from s2sad.evaluate.effects import parameters
+from s2sad.evaluate.effects import is_writing_call, parameters
 from s2sad.evaluate.scope import KernelScope
 from s2sad.evaluate.expressions.slice_names import one_by_one
 from s2sad.tree import (
@@ -135,7 +135,8 @@ def _picked(node: AST) -> AST | None:
         return None
     items, position = node.value.elts, constant_index(node)
     if position is None or not -len(items) <= position < len(items) or any(
-            isinstance(n, Starred) or user_call(n) is not None for item in items for n in walk(item)):
+            isinstance(n, Starred) or user_call(n) is not None or isinstance(n, Call) and is_writing_call(n)
+            for item in items for n in walk(item)):
         return None
     return rebuild(items[position], _picked)
 

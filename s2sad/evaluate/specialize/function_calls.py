@@ -8,6 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate.effects import is_writing_call
+from s2sad.evaluate.mutating_calls import stored_out
 from s2sad.evaluate.specialize.control.choices import chosen
 from s2sad.evaluate.specialize.displays import flat
 from s2sad.evaluate.specialize.evaluation_state import Frame
@@ -18,7 +20,7 @@ from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     NONE, ClassValue, Data, FunctionChoice, FunctionValue, LibraryValue, MethodValue, Reference, ScopeValue, SuperValue,
-    Value,
+    Value, constant,
 )
 from s2sad.live_objects.registry import GIVEN
 from s2sad.tree import AST
@@ -100,10 +102,16 @@ def spelled_base(ev: Evaluator, value: Data, node: AST) -> AST:
 @operation
 def residual_call(ev: Evaluator, function: AST, args: Sequence[Value], keywords: Mapping[str, Value], node: AST
                   ) -> Data:
-    """A call that the residual program makes."""
-    made = tree.Call(function, [ev.spelled(a, node) for a in args],
-                     [tree.keyword(k, ev.spelled(v, node)) for k, v in keywords.items()])
-    return Data(tree.at(made, node))
+    """A call that the residual program makes; one that writes an array is a statement, which gives what it wrote."""
+    made = tree.at(tree.Call(function, [ev.spelled(a, node) for a in args],
+                             [tree.keyword(k, ev.spelled(v, node)) for k, v in keywords.items()]), node)
+    if not is_writing_call(made):
+        return Data(made)
+    filled = stored_out(made)
+    if filled is not None and not isinstance(filled[0].value, (tree.Name, tree.Subscript)):
+        return ev.named(Data(made), "filled", node)
+    ev.emit(tree.Expr(made), node, True)
+    return constant(None) if filled is None else Data(tree.copy(filled[0].value))
 
 
 def _function(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywords: Mapping[str, Value], node: AST,

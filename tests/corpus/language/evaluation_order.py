@@ -177,11 +177,35 @@ def slice_from_the_last_counter(x, y, p, a):
     return np.sum(x[k:k + 2]) + np.sum(x[k:] * y[k:]) * s + np.max(y[:k])
 
 
+def second(_first, given):
+    return given
+
+
+def written_in_an_item(x, y, p, a):
+    s = (x[0], np.add(x, y, out=x)[1], x[2])[0] + [x.fill(y[1]), x[0]][1]
+    t = (y.sort(), np.copyto(a, 2.0 * a), y[2])[-1]
+    return s * t * np.sum(x) + np.sum(a)
+
+
+def written_in_an_argument(x, y, p, a):
+    def last(_first, _second, given):
+        return given
+    s = last(np.add(x, y, out=x), x.sort(), x[0]) + second(np.sin(y, out=y), y[1])
+    return s * x[1] * y[2]
+
+
+def written_in_what_is_dropped(x, y, p, a):
+    (np.multiply(x, y, out=x), 1)  # noqa: B018
+    n = len([np.add(y, x[0], out=y), 1])
+    return np.sum(x * y) * n
+
+
 KERNELS = (slice_of_elements, slice_of_a_value, slice_in_a_loop, slice_by_a_call, slice_of_counters,
            slice_of_an_earlier_trip, slice_of_a_name_bound_twice, slice_with_places, bundle_swapped, bundle_of_views,
            bundle_before_a_call, sum_from_a_number, product_from_a_number, rows_in_a_comprehension, named_after_an_out,
            list_as_long_as_an_element, list_as_long_as_a_call_says, list_as_long_as_a_name,
-           slice_as_long_as_a_list, slice_from_the_last_counter)
+           slice_as_long_as_a_list, slice_from_the_last_counter, written_in_an_item, written_in_an_argument,
+           written_in_what_is_dropped)
 
 
 def arguments():
