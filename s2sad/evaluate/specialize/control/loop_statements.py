@@ -153,6 +153,7 @@ def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> None:
             ev.heap.put(f.reference, n, replace(like, node=tree.at(tree.name(own[n]), s.target)))
         target = tree.rename(s.target, own)
         loop = ev.loops[-1]
+        loop.targets = frozenset(own.values())
         loop.make = lambda body: tree.For(tree._target(target), tree.copy(node), body, [], None)
         ev.statements(s.body, f)
         return loop.make

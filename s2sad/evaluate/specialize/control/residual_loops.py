@@ -17,6 +17,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unbound, Unevaluated
 from s2sad.evaluate.specialize.heap import Object, uses
 from s2sad.evaluate.specialize.control.joined_names import Way, parallel
+from s2sad.evaluate.specialize.control.loop_closed_names import close_names
 from s2sad.evaluate.specialize.control.state_joins import Join
 from s2sad.evaluate.specialize.values import (
     NONE, UNKNOWN, Conflict, Data, FunctionValue, Reference, TupleValue, Value, alike, constant, count, parts, renamed,
@@ -37,6 +38,11 @@ class ResidualLoop:
     place: int = 0                  # on the stack of pending work
     goals: list[int] = field(default_factory=list)          # marks outside that it is left for
     left: Reference = Reference(0)                          # by mark: whether it was left for that, with what
+    birth: int = 0                                          # the names that were made before it
+    targets: frozenset[str] = frozenset()                   # the names that it binds itself
+
+    def home_names(self) -> set[str]:
+        return {n for home in self.homes.values() for n in _names(home)}
 
 
 class NewGoal(Exception):
@@ -69,7 +75,7 @@ def leave(ev: Evaluator, s: AST, mark: int, value: Value | None) -> None:
 def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[AST]], AST]], f: Frame) -> None:
     """Evaluates the body until what holds at its start holds at its end; `once` gives what makes the loop of a body."""
     left = ev.heap.new(Object("frame"))
-    loop = ResidualLoop(ev.heap.fork(), place=len(ev.pending), left=left)
+    loop = ResidualLoop(ev.heap.fork(), place=len(ev.pending), left=left, birth=ev.births)
     outer, before, guarded, depth = ev.block, ev.snapshot(), ev.guarded, (len(ev.pending), len(ev.loops))
     while True:
         prelude: list[AST] = []
@@ -87,7 +93,7 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
             _extend(ev, loop, missing)
             ev.block = outer
             ev.restore(before)
-            ev.names.taken |= {n for home in loop.homes.values() for n in _names(home)}
+            ev.names.taken |= loop.home_names()
             continue
         except Leave as leave:
             if leave.mark != NOWHERE:
@@ -100,13 +106,13 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
         body = ev.block
         ends = [*([ev.heap.objects] if falls else []), *(objects for _, _, objects in loop.exits)]
         names, ev.names = ev.names, before.names.copy()
-        ev.names.taken |= {n for home in loop.homes.values() for n in _names(home)}
-        if not _settle(ev, loop, head, ends, origin):
+        ev.names.taken |= loop.home_names()
+        if not _settle(ev, loop, head, ends, origin) and not close_names(ev, loop, head, ends, origin, f):
             ev.names = names
             break
         ev.block = outer
         ev.restore(before)
-        ev.names.taken |= {n for home in loop.homes.values() for n in _names(home)}
+        ev.names.taken |= loop.home_names()
     ev.block = outer
     kept: dict[str, str] = {}
     ways = [Way(ev.heap.objects, _moves(ev, loop, ev.heap.objects, origin, kept))] if falls else []

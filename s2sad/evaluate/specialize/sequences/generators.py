@@ -99,6 +99,12 @@ def for_lazy(ev: Evaluator, s: Any, through: Value, f: Frame) -> None:
     """A loop through a generator: its body is evaluated where the generator yields."""
     ev.pending.append(None)
     after, depth = len(ev.pending) - 1, len(ev.loops)
+    ev.loops.append((after, after, s))
+
+    def otherwise() -> None:
+        del ev.loops[depth:]        # a jump in `else` is one of the loop around
+        ev.statements(s.orelse, f)
+    ev.later(otherwise)
 
     def each(item: Value) -> None:
         inside = len(ev.loops)
@@ -116,7 +122,8 @@ def for_lazy(ev: Evaluator, s: Any, through: Value, f: Frame) -> None:
             del ev.pending[mark:]
     try:
         each_item(ev, through, s.iter, f, each)
-        ev.statements(s.orelse, f)
+        del ev.pending[after + 1:]
+        otherwise()
     except Leave as leave:
         if leave.mark != after:
             raise

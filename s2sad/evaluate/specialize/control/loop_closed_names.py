@@ -1,0 +1,84 @@
+"""Loop-closed names: what a loop within a loop binds, and something behind it reads, has a name that only it binds.
+
+    for i in range(n):                          for i in range(n):
+        for j in range(i + 1, n):                   for j in range(i + 1, n):
+            last = i                                    s += x[j]
+            s += x[j]                   ->              last = i
+    return s * x[last]                          return s * x[last]
+
+Without it `last` would be one with `i`, which goes on where the inner loop has no round.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator
+from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.values import Data, Reference, TupleValue, Value
+from s2sad.tree import AST
+
+Objects = dict[int, Object]
+
+
+def close_names(ev: Evaluator, loop: Any, head: Objects, ends: Sequence[Objects], origin: AST, f: Frame) -> bool:
+    """Gives such names homes in a loop; whether there are new ones."""
+    around = [other for other in ev.loops if not isinstance(other, tuple)]
+    found = False
+    for objects in ends if around else ():
+        for n, held in objects.items():
+            if held.kind != "frame" or n not in head:
+                continue
+            new = {k: v for k, v in held.items.items() if k not in head[n].items and (n, k) not in loop.homes
+                   and any(_goes_on(ev, m, loop, around) for m in _leaf_names(objects, v))}
+            for key in new.keys() & _read_outside(ev, n, new, origin, f):
+                if not isinstance(new[key], Data):
+                    raise ev.unknown(origin, f"'{key}' is made in this loop of what a loop around it binds, and read "
+                                     "behind it")
+                loop.homes[n, key] = ev.fresh(str(key))
+                found = True
+    return found
+
+
+def _leaf_names(objects: Objects, value: Value) -> Iterator[str]:
+    if isinstance(value, Data):
+        yield value.name
+    elif isinstance(value, TupleValue):
+        for v in value.items:
+            yield from _leaf_names(objects, v)
+    elif isinstance(value, Reference) and value.number in objects:
+        for v in objects[value.number].items.values():
+            if not isinstance(v, Reference):
+                yield from _leaf_names(objects, v)
+
+
+def _goes_on(ev: Evaluator, name: str, loop: Any, around: Sequence[Any]) -> bool:
+    """Whether loops around a loop bind a name, and the loop itself does not."""
+    born = ev.born.get(name, 0)
+    if not name or born > loop.birth or name in loop.targets:
+        return False
+    return any(born > other.birth or name in other.targets or name in other.home_names() for other in around)
+
+
+def _read_outside(ev: Evaluator, n: int, names: Mapping[Any, Value], origin: AST, f: Frame) -> set[Any]:
+    """The names of a frame that its text reads outside of the loop; all of them where the text is not at hand."""
+    frame: Frame | None = f
+    while frame is not None and frame.reference.number != n:
+        frame = frame.outer
+    frame = frame or ev.frames.get(n)
+    if frame is None:
+        return set(names)
+    inside = {id(origin), *(id(loop[2]) for loop in ev.loops if isinstance(loop, tuple) and len(loop) > 2)}
+    inside |= {id(node) for (node, _), text in ev.loops_of.items() if id(text) in inside}
+    found: set[Any] = {k for k in names if not isinstance(k, str)}
+    work: list[AST] = [frame.captured.tree]
+    while work:
+        node = work.pop()
+        if id(node) in inside:
+            continue
+        if isinstance(node, tree.Name) and isinstance(node.ctx, tree.Load):
+            found.add(node.id)
+        work += tree.children(node)
+    return found

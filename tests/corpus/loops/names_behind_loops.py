@@ -1,0 +1,64 @@
+"""What loops within loops bind, read behind them where the last rounds of the outer one have none of the inner; `else`
+of a loop that goes through a generator."""
+from __future__ import annotations
+
+import numpy as np
+
+from tests.corpus import Case
+
+X = np.array([0.3, 1.4, 0.2, 2.1])
+
+
+def counter(x, n):
+    rates = {"s": 1.0}
+    s = rates["s"]
+    for i in range(n):
+        for j in range(i + 1, n):
+            q = i
+            s += x[j]
+    return s * x[q]
+
+
+def computed(x, n):
+    rates = {"s": 1.0}
+    s = rates["s"]
+    for i in range(n):
+        y = x[i] * 2.0
+        for j in range(i + 1, n):
+            q = y
+            s += x[j]
+    return s * q
+
+
+def pairs(n):
+    for i in range(n):
+        for j in range(i + 1, n):
+            yield i, j
+
+
+def generated(x, n):
+    s = 0.0
+    for i, j in pairs(n):
+        s += x[j] * x[i]
+    return s * x[i]
+
+
+def left(x, n):
+    s = 0.0
+    for i, j in pairs(n):
+        s += x[j] * x[i]
+        if x[i] > 1.0:
+            break
+        if x[j] > 2.0:
+            continue
+        s += x[j]
+    else:
+        s *= x[0]
+    return s * x[i] * x[j]
+
+
+def cases():
+    for kernel in (counter, computed, generated, left):
+        for n in (2, 3, 4):
+            yield Case(kernel, (X, n), ("x",))
+    yield Case(left, (X - 2.0, 4), ("x",))
