@@ -34,12 +34,12 @@ __all__ = [
     "FloorDiv", "For", "FunctionDef", "GeneratorExp", "Gt", "GtE", "If", "IfExp", "In", "Invert", "Is", "IsNot",
     "List", "ListComp", "Load", "LShift", "Lt", "LtE", "MatMult", "Mod", "Module", "Mult", "Name", "Not", "NotEq",
     "NotIn", "Or", "Pass", "Pow", "Raise", "Return", "RShift", "Slice", "Starred", "Store", "Sub", "Subscript",
-    "Tuple", "UAdd", "UnaryOp", "USub", "While", "Yield", "arguments", "keyword", "add", "assign", "at", "attribute",
-    "augment", "binary", "call", "call_name", "calls_kernel", "children", "comment", "compare", "const", "copy",
-    "counted_for", "dump", "equal", "expr", "expression", "forget", "forgotten", "function", "head_copy", "index",
-    "indices", "is_comment", "is_unset", "literal", "mult", "name", "names", "negate", "parse", "placed", "rebuild",
-    "rename", "replica", "statements", "stmt", "stored_names", "sub", "substitute", "tuple_of", "unset", "user_call",
-    "walk", "with_body", "written",
+    "Tuple", "UAdd", "UnaryOp", "USub", "While", "Yield", "arguments", "keyword", "add", "assign", "at",
+    "attribute", "augment", "binary", "call", "call_name", "calls_kernel", "children", "comment", "compare",
+    "const", "copy", "counted_for", "dump", "equal", "expr", "expression", "forget", "forgotten", "function",
+    "head_copy", "index", "indices", "is_comment", "is_known", "is_unset", "known", "literal", "mult", "name",
+    "names", "negate", "parse", "placed", "rebuild", "rename", "replica", "statements", "stmt", "stored_names",
+    "sub", "substitute", "tuple_of", "unset", "user_call", "walk", "with_body", "written",
 ]
 
 _LOAD, _STORE = Load(), Store()
@@ -94,6 +94,16 @@ def forgotten(node: AST) -> list[str]:
     """The arrays of such a mark; none for any other statement."""
     marked = isinstance(node, Expr) and isinstance(node.value, Constant) and node.value.kind == "forget"
     return node.value.value.split() if marked else []
+
+
+def known(test: AST) -> Assert:
+    """A mark that something holds from here on, which is not asked."""
+    return Assert(test, Constant("known", "known"))
+
+
+def is_known(node: AST) -> bool:
+    """Whether a statement is such a mark."""
+    return isinstance(node, Assert) and isinstance(node.msg, Constant) and node.msg.kind == "known"
 
 
 def unset(value: float) -> Constant:

@@ -14,9 +14,9 @@ from s2sad.infer.requested_shapes import RequestedShapes
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import LAWS, LEAST, ONE, SIZE_ARGUMENTS, Shape, whole_number
 from s2sad.tree import (
-    AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, If, Name,
-    Store, Subscript, While, attribute, call, call_name, children, const, index, name, names, stored_names, tuple_of,
-    walk, walk_statements,
+    AST, Assert, Assign, Attribute, AugAssign, BinOp, Compare, Constant, Eq, FloorDiv, For, FunctionDef, GtE, If, Name,
+    Store, Subscript, While, attribute, call, call_name, children, const, index, is_known, name, names, stored_names,
+    tuple_of, walk, walk_statements,
 )
 
 ALLOCATIONS = frozenset({"numpy.empty", "numpy.zeros", "numpy.empty_like", "numpy.zeros_like"})
@@ -234,6 +234,8 @@ def counters_of(function: FunctionDef, values: Mapping[str, AST | None]) -> dict
             loops.setdefault(loop.target.id, []).append(least_of(loop))
         elif isinstance(loop, Assign):
             loops |= {n: [{}] for n in stored_names(loop.targets)}
+        elif is_known(loop) and isinstance(loop.test.ops[0], GtE):      # of a counter of a loop around the function
+            loops[loop.test.left.id] = [{loop.test.left.id: whole_number(loop.test.comparators[0]) or 0}]
     least = {n: min(found[n] for found in each) for n, each in loops.items() if all(each)}
     held = {n: least[v.id] for n, v in values.items() if isinstance(v, Name) and v.id in least}
     return {**{n: low for n, low in least.items() if n in values}, **held}

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from s2sad.blocks import with_blocks
 from s2sad.passes import Context
-from s2sad.tree import AST, FunctionDef, forgotten, with_body
+from s2sad.tree import AST, FunctionDef, forgotten, is_known, with_body
 
 
 def remove_marks(function: FunctionDef, context: Context) -> FunctionDef:
@@ -34,4 +34,4 @@ def remove_marks(function: FunctionDef, context: Context) -> FunctionDef:
 
 
 def _block(block: list[AST]) -> list[AST]:
-    return [with_blocks(s, _block) for s in block if not forgotten(s)]
+    return [with_blocks(s, _block) for s in block if not forgotten(s) and not is_known(s)]

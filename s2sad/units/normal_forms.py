@@ -23,7 +23,10 @@ from s2sad.normalize.dtypes.weak_results import KnownResults
 from s2sad.passes import Pass, Passes, Watch, run, unwatched
 from s2sad.program import Kernel, Program
 from s2sad.simplify import Effect, Effects
-from s2sad.tree import Assert, Call, FunctionDef, Name, Raise, call_name, stored_names, user_call, walk
+from s2sad.simplify.remove_marks import remove_marks
+from s2sad.tree import (
+    AST, Assert, Call, FunctionDef, Name, Raise, call_name, is_known, stored_names, user_call, walk, with_body,
+)
 from s2sad.units.call_summaries import Calls, stored_arrays
 from s2sad.units.primal_form import primal_form, same_primal
 from s2sad.units.unit import UnitSummary, Unit
@@ -106,16 +109,18 @@ class NormalForms(Calls):
             frozenset(unit.summary.written), unit.summary.pure,
             frozenset(k for k, t in enumerate(unit.types) if t.is_array))
 
-    def outlined(self, kernel: Kernel, context: NormalContext, loop: OutlinedLoop | None) -> str:
+    def outlined(self, kernel: Kernel, context: NormalContext, loop: OutlinedLoop | None, marks: list[AST]) -> str:
         """The title of the unit of a part of a kernel that is on its way to normal form: of a loop, or of the step of
-        one."""
+        one, with marks of what holds in it."""
         title = self.titles.fresh(kernel.name)
         kernel = replace(kernel, name=title)
         types = tuple(context.typing.argument(p) for p in kernel.tree.args.args)
         inner = replace(context, kernel=kernel, names=Names(n.id for n in walk(kernel.tree) if isinstance(n, Name)),
                         given=dict(zip(kernel.parameters, types)))
         inner.report, inner.typing = context.report, context.typing.copy()
-        tree = run(STEPS if loop is None else LOOPS_OF_STEPS, kernel.tree, inner)
+        tree = with_body(kernel.tree, [*marks, *kernel.tree.body])
+        tree = run(STEPS if loop is None else LOOPS_OF_STEPS, tree, inner)
+        inner.lowered = remove_marks(inner.lowered, inner)
         unit = self._finished(kernel, types, title, tree, inner)
         unit.outlined, unit.loop = True, loop
         unit.runs_once = unit.runs_once or loop is not None
@@ -176,7 +181,8 @@ class NormalForms(Calls):
             edges += [(position, k) for k, p in enumerate(parameters) if p in found and p in written]
             edges += [(position, f) for f in sorted(found) if f.startswith("return ")]
         parts = returned(tree)
-        guards = any(isinstance(n, (Assert, Raise)) or call_name(n) == "builtins.print" for n in walk(tree.body))
+        guards = any(isinstance(n, (Assert, Raise)) and not is_known(n) or call_name(n) == "builtins.print"
+                     for n in walk(tree.body))
         calls = [n for n in walk(tree.body) if user_call(n)]
         results = tuple(map(typing.of, parts))
         if kernel.own is not None:

@@ -325,6 +325,18 @@ def growing(u, n):
     return np.sum(u * u)
 
 
+def size_of_the_last(u, n):
+    for k in range(n):
+        w = np.zeros(k + 1)
+        u[0] += w.size * u[1]
+    return u[w.size - 1]
+
+
+def test_a_size_that_is_read_behind_the_loop():
+    assert "error[S201]: 'w' is allocated anew in a loop that keeps snapshots" in _refused(
+        size_of_the_last, {"k": 3}, np.ones(9), 4)
+
+
 def test_state_that_changes_its_size():
     said = _refused(growing, {"_k": 3}, np.ones(3), 4)
     assert said.endswith("error[S201]: 'u' is allocated anew in a loop that keeps snapshots, and is read behind the "

@@ -168,6 +168,45 @@ def bound_in_the_loop_alone(u, c, n):
     return np.sum(u * last)
 
 
+def part_of_one_element(u, c, n):
+    for i in range(min(n, 5)):
+        u[:] *= 1.0 + c * u[i:i + 1]
+    return np.sum(u)
+
+
+def row_of_means(u, c, n):
+    v = np.outer(u, u)
+    for _k in range(n):
+        mean = np.mean(v, axis=1, keepdims=True)
+        v = v + c * mean * v
+    return np.sum(v)
+
+
+def complex_numbers(u, c, n):
+    z = u + 1j * u[::-1]
+    for k in range(n):
+        z = z * np.exp(1j * c * k) + 0.1 * np.conj(z)
+    return np.sum(np.abs(z) ** 2)
+
+
+def solutions(u, c, n):
+    a = np.eye(u.size) + c * np.ones((u.size, u.size))
+    for _k in range(n):
+        u = np.linalg.solve(a, u) + c * a @ u
+        a = a + 0.01 * np.outer(u, u)
+    return np.sum(u * u)
+
+
+def endless(u, c, n):
+    k = 0
+    while True:
+        u[:] = u + c * np.cos(u)
+        k += 1
+        if k > n:
+            break
+    return np.sum(u) * k
+
+
 def _while_of(kernel) -> str:
     """What a user calls the `while` of a kernel."""
     lines, first = inspect.getsourcelines(kernel)
@@ -179,5 +218,6 @@ LOOPS = {
     left_by_break: ("k",), left_by_return: ("k",), loops_inside: ("_k",), nested_snapshots: ("k", "m"),
     inside_another_loop: ("_k",), filled_row_by_row: ("k",), flags_and_integers: ("_k",), of_a_helper: ("helper.k",),
     bounds_that_change: ("_k",), bound_counted_down: ("_k",), bound_in_the_loop_alone: ("k",),
-    until_a_time: (_while_of(until_a_time),),
+    until_a_time: (_while_of(until_a_time),), part_of_one_element: ("i",), row_of_means: ("_k",),
+    complex_numbers: ("k",), solutions: ("_k",), endless: (_while_of(endless),),
 }

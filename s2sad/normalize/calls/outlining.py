@@ -20,16 +20,16 @@ from dataclasses import dataclass, replace
 
 from s2sad.blocks import with_blocks
 from s2sad.infer.affine import Affine
-from s2sad.infer.shapes import shapes_of
+from s2sad.infer.shapes import least_of, shapes_of
 from s2sad.infer.types import BOOL
 from s2sad.liveness import Accesses, Liveness, base_name, targets
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.program import SourcePlace
 from s2sad.tree import (
-    AST, Assign, Attribute, Break, Call, Expr, For, FunctionDef, If, Name, Return, Subscript, While, assign, at,
-    attribute, call, call_name, const, copy, dump, function, index, name, names, rebuild, replica, stored_names,
-    times_bound, tuple_of, user_call, walk, walk_statements, with_body,
+    AST, Assign, Attribute, Break, Call, Eq, Expr, For, FunctionDef, GtE, If, Name, Return, Subscript, While, assign,
+    at, attribute, call, call_name, compare, const, copy, dump, function, index, known, name, names, rebuild, replica,
+    stored_names, times_bound, tuple_of, user_call, walk, walk_statements, with_body,
 )
 
 
@@ -96,10 +96,11 @@ class _Outlining:
         own = {(s.lineno, s.col_offset) for s in walk_statements(loop.body) if getattr(s, "lineno", None)}
         if own == {(loop.lineno, loop.col_offset)}:     # made of the loop's head, as a copy before its first iteration
             return 0
+        empty = not _quiet(loop.body)
         at_place = SourcePlace.of(self.context.report.source, loop)
         place = at_place.path, at_place.line, at_place.column
         self.context.callees.outlined_at.add(place)
-        return wanted.get(place, 0)
+        return 0 if empty else wanted.get(place, 0)
 
     def loop(self, loop: AST, snapshots: int) -> list[AST]:
         """The call of the loop's function, which is made."""
@@ -148,8 +149,8 @@ class _Outlining:
         breaks = any(isinstance(s, Break) for s in walk_of_loop(loop.body))
         left = self.typing.declare(self.context.names.fresh("left"), BOOL) if breaks else ""
         bound = [*results, *([left] if left else [])]
-        steps = self.with_known_sizes(loop, taken)
-        step = self.function(f"{title}_step", taken, _leaving(_quiet(steps), left), bound, None)
+        steps, known_here = self.with_known_sizes(loop, taken)
+        step = self.function(f"{title}_step", taken, _leaving(_quiet(steps), left), bound, None, known_here)
         called = at(call_statement(step, taken, bound), loop)
         body = [called, *([at(If(name(left), [Break()], []), loop)] if left else [])]
         head = loop.iter if isinstance(loop, For) else loop.test
@@ -163,36 +164,41 @@ class _Outlining:
         self.bound |= {*after}
         return [call_statement(whole, given, after)]
 
-    def with_known_sizes(self, loop: AST, taken: list[str]) -> list[AST]:
-        """The body of a loop, in which sizes of the arrays taken that are known to be equal here are spelled alike: its
-        function does not know how they were allocated."""
+    def with_known_sizes(self, loop: AST, taken: list[str]) -> tuple[list[AST], list[AST]]:
+        """The body of a loop, in which sizes of the arrays taken that are known to be equal here are spelled alike, and
+        marks of what is known: its function does not see how they were allocated, nor from where counters count."""
         shapes = shapes_of(self.whole, self.typing)
         shapes.enter(loop)
         bound = times_bound(self.whole.body, Assign)
         given = {n for n in taken if n not in stored_names(loop.body)}
         first: dict[Affine, AST] = {}
         alike: dict[str, AST] = {}
+        least = {**shapes.counters, **(least_of(loop) if isinstance(loop, For) else {})}
+        marks: list[AST] = [known(compare(name(n), GtE(), const(least[n]))) for n in taken if n in least]
         for array in (n for n in taken if self.typing.table[n].is_array and bound[n] <= 1):
             for axis, size in enumerate(shapes.of(name(array))):
                 if size is None:
                     continue
                 own = index(attribute(name(array), "shape"), const(axis))
-                known = shapes.expression(size)
-                shown = known if set(names(known)) <= given else own
+                spelled = shapes.expression(size)
+                shown = spelled if set(names(spelled)) <= given else own
                 alike[dump(own)] = first.setdefault(shapes.reduced(size), shown)
-        return rebuild(loop.body, lambda n: copy(alike.get(dump(n), n)) if isinstance(n, Subscript) and isinstance(
+                if dump(alike[dump(own)]) != dump(own):
+                    marks.append(known(compare(own, Eq(), copy(alike[dump(own)]))))
+        body = rebuild(loop.body, lambda n: copy(alike.get(dump(n), n)) if isinstance(n, Subscript) and isinstance(
             n.value, Attribute) and n.value.attr == "shape" else None)
+        return body, [at(mark, loop) for mark in marks]
 
     def function(self, title: str, parameters: list[str], body: list[AST], results: list[str],
-                 outlined: OutlinedLoop | None) -> str:
-        """The title of the unit of a new function."""
+                 outlined: OutlinedLoop | None, marks: list[AST] | None = None) -> str:
+        """The title of the unit of a new function, at the start of which the marks hold."""
         if results:
             values = tuple_of(*map(name, results)) if len(results) > 1 else name(results[0])
             body = [*body, at(Return(values), body[-1])]
         made = at(function(title, parameters, body), body[0])
         kernel = replace(self.context.kernel, name=title, tree=made, parameters=tuple(parameters), defaults={},
                          annotations={}, own=None, residual="", results=0, source=self.context.report.source)
-        return self.context.callees.outlined(kernel, self.context, outlined)
+        return self.context.callees.outlined(kernel, self.context, outlined, marks or [])
 
     def refuse(self, loop: AST) -> None:
         """Refuses what the state of a step cannot hold."""
@@ -205,7 +211,8 @@ class _Outlining:
                              help="leave the loop out of 'checkpoint'")
         for statement in walk_statements(loop.body):
             for target in targets(statement):
-                if is_allocation(statement) and target.id in live and typing.table[target.id].is_array:
+                read = live & {target.id, f"={target.id}"} if is_allocation(statement) else set()
+                if read and typing.table[target.id].is_array:
                     report.error("S201", f"'{self.user_name(target.id)}' is allocated anew in a loop "
                                  "that keeps snapshots, and is read behind the step", statement,
                                  note="a snapshot holds arrays of the sizes that they have before the loop",

@@ -43,7 +43,7 @@ def kernel_k_step_adjoint(k, u, u_bar, v, v_bar, c, c_bar, energy, energy_bar, r
     u_bar[0] += u[1] * energy_bar_1
     # u += c * v
     u[...] = u_before
-    c_bar += np.sum(np.broadcast_to(v * u_bar, u.shape[0]))
+    c_bar += np.sum(v * u_bar)
     v_bar[...] += c * u_bar
     for i in range(u.size - 1, -1, -1):
         # v[i] = np.sin(u[i]) + k
