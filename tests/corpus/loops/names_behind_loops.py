@@ -57,8 +57,24 @@ def left(x, n):
     return s * x[i] * x[j]
 
 
+def rounds(n):
+    yield from range(n)
+
+
+def bound_where_it_is_left(x, n):
+    u = x.copy()
+    for i in rounds(n):
+        u = u * x[1]
+        if np.sum(u) > 8.0:
+            best = u * i
+            break
+    else:
+        best = x
+    return np.sum(best) + np.sum(u)
+
+
 def cases():
-    for kernel in (counter, computed, generated, left):
+    for kernel in (counter, computed, generated, left, bound_where_it_is_left):
         for n in (2, 3, 4):
             yield Case(kernel, (X, n), ("x",))
     yield Case(left, (X - 2.0, 4), ("x",))

@@ -10,7 +10,7 @@ Without it `last` would be one with `i`, which goes on where the inner loop has 
 """
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from s2sad import tree
@@ -33,7 +33,7 @@ def close_names(ev: Evaluator, loop: Any, head: Objects, ends: Sequence[Objects]
                 continue
             new = {k: v for k, v in held.items.items() if k not in head[n].items and (n, k) not in loop.homes
                    and any(_goes_on(ev, m, loop, around) for m in _leaf_names(objects, v))}
-            for key in new.keys() & _read_outside(ev, n, new, origin, f):
+            for key in new.keys() & read_outside(ev, n, new, origin, f):
                 if not isinstance(new[key], Data):
                     raise ev.unknown(origin, f"'{key}' is made in this loop of what a loop around it binds, and read "
                                      "behind it")
@@ -62,12 +62,21 @@ def _goes_on(ev: Evaluator, name: str, loop: Any, around: Sequence[Any]) -> bool
     return any(born > other.birth or name in other.targets or name in other.home_names() for other in around)
 
 
-def _read_outside(ev: Evaluator, n: int, names: Mapping[Any, Value], origin: AST, f: Frame) -> set[Any]:
+def frames_around(ev: Evaluator, f: Frame) -> dict[int, Frame]:
+    """The frames whose statements a loop in a frame may run, by number: those around it, and those of loops that go
+    through the generator that it is in."""
+    found: dict[int, Frame] = {}
+    for inner in (f, *(loop[3] for loop in ev.loops if isinstance(loop, tuple) and len(loop) > 3)):
+        frame: Frame | None = inner
+        while frame is not None:
+            found.setdefault(frame.reference.number, frame)
+            frame = frame.outer
+    return found
+
+
+def read_outside(ev: Evaluator, n: int, names: Iterable[Any], origin: AST, f: Frame) -> set[Any]:
     """The names of a frame that its text reads outside of the loop; all of them where the text is not at hand."""
-    frame: Frame | None = f
-    while frame is not None and frame.reference.number != n:
-        frame = frame.outer
-    frame = frame or ev.frames.get(n)
+    frame = frames_around(ev, f).get(n) or ev.frames.get(n)
     if frame is None:
         return set(names)
     inside = {id(origin), *(id(loop[2]) for loop in ev.loops if isinstance(loop, tuple) and len(loop) > 2)}

@@ -4,7 +4,6 @@ The body is evaluated until what holds at its start holds at its end.
 """
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -17,7 +16,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unbound, Unevaluated
 from s2sad.evaluate.specialize.heap import Object, uses
 from s2sad.evaluate.specialize.control.joined_names import Way, parallel
-from s2sad.evaluate.specialize.control.loop_closed_names import close_names
+from s2sad.evaluate.specialize.control.loop_closed_names import close_names, frames_around, read_outside
 from s2sad.evaluate.specialize.control.state_joins import Join
 from s2sad.evaluate.specialize.values import (
     NONE, UNKNOWN, Conflict, Data, FunctionValue, Reference, TupleValue, Value, alike, constant, count, parts, renamed,
@@ -133,8 +132,9 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
         after[n] = _with(after[n], key, _known_on_exits(value, [o[n].items[key] for _, _, o in loop.exits])
                          if loop.is_endless else value)
     ev.heap.objects = {**after, **late.found}
-    for key, value in late.values.items():
-        ev.heap.put(f.reference, key, value)
+    for n, values in late.values.items():
+        for key, value in values.items():
+            ev.heap.put(Reference(n), key, value)
     _bound_inside(ev, ends)
     _go_on(ev, loop, late.left, origin)
 
@@ -170,7 +170,7 @@ def _go_on(ev: Evaluator, loop: ResidualLoop, values: Mapping[Any, Value], origi
 
 @dataclass(frozen=True)
 class _Late:
-    values: dict[Any, Value]        # by name
+    values: dict[int, dict[Any, Value]]         # by frame and name
     left: dict[Any, Value]          # what goes to marks outside
     found: Objects
 
@@ -179,23 +179,22 @@ def _bound_on_exits(ev: Evaluator, loop: ResidualLoop, ways: Sequence[Way], head
                     ) -> _Late:
     """What only some ends of a round bind, and the function reads behind the loop."""
     join = Join(ev, ways, origin)
-    wanted = Counter(_read(f.captured.tree))
-    wanted.subtract(Counter(_read(origin)))
-    late: list[dict[Any, Value]] = []
-    for number in (f.reference.number, loop.left.number):
-        late.append({})
+    late: dict[int, dict[Any, Value]] = {}
+    for number in (*frames_around(ev, f), loop.left.number):
+        if number not in head:
+            continue
+        late[number] = {}
+        new = {k for w in ways if number in w.objects for k in w.objects[number].items} - head[number].items.keys()
+        wanted = read_outside(ev, number, new, origin, f) if new else ()
         ends = [w.objects[number].items for w in ways if number in w.objects]
         for key in dict.fromkeys(k for items in ends for k in items):
             there = [(w, items[key]) for w, items in zip(ways, ends) if key in items]
             same = len(there) == len(ways) and all(alike(_plain(there[0][1]), _plain(v)) for _, v in there[1:])
-            is_read = number == loop.left.number or wanted[str(key)] > 0 and not same
+            is_read = number == loop.left.number or key in wanted and not same
             if is_read and key not in head[number].items:
-                late[-1][key] = join.bound_on(there, "result" if isinstance(key, tuple) else str(key))
-    return _Late(late[0], late[1], join.found)
-
-
-def _read(node: Any) -> list[str]:
-    return [n.id for n in tree.walk(node) if isinstance(n, tree.Name) and isinstance(n.ctx, tree.Load)]
+                late[number][key] = join.bound_on(there, "result" if isinstance(key, tuple) else str(key))
+    left = late.pop(loop.left.number)
+    return _Late(late, left, join.found)
 
 
 def _names(home: Any) -> list[str]:

@@ -99,7 +99,7 @@ def for_lazy(ev: Evaluator, s: Any, through: Value, f: Frame) -> None:
     """A loop through a generator: its body is evaluated where the generator yields."""
     ev.pending.append(None)
     after, depth = len(ev.pending) - 1, len(ev.loops)
-    ev.loops.append((after, after, s))
+    ev.loops.append((after, after, s, f))
 
     def otherwise() -> None:
         del ev.loops[depth:]        # a jump in `else` is one of the loop around
