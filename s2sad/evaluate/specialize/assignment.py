@@ -115,7 +115,8 @@ def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f
         place = tree.at(tree.attribute(base.node, key), origin) if isinstance(
             key, str) else ev.subscripted(base, key, origin)
         ev.refuse_no_number(value, origin)
-        ev.emit(tree.assign(place, ev.spelled(value, origin)), statement or origin, True)
+        stored = ev.spelled_item(value, origin) if base.is_list else ev.spelled(value, origin)
+        ev.emit(tree.assign(place, stored), statement or origin, True)
     elif isinstance(base, Reference) and isinstance(key, str):
         ev.assign_attribute(base, key, value, origin, f)
     elif isinstance(base, Reference) and ev.heap[base].kind == "record" and ev.heap[base].made is None:
@@ -274,7 +275,8 @@ def _extended(ev: Evaluator, old: Data, value: Value, s: Any, f: Frame) -> None:
         raise ev.refusal(s, "a list whose length is not known before the run is changed in place",
                          help="append to it item by item")
     for item in ev.items_of(value, s, f):
-        added = ev.residual_call(tree.at(tree.attribute(tree.copy(old.node), "append"), s), [item], {}, s)
+        added = ev.residual_call(tree.at(tree.attribute(tree.copy(old.node), "append"), s), [
+            Data(ev.spelled_item(item, s))], {}, s)
         ev.emit(tree.Expr(added.node), s, True)
 
 

@@ -20,7 +20,7 @@ from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     NONE, ClassValue, Data, FunctionChoice, FunctionValue, LibraryValue, MethodValue, Reference, ScopeValue, SuperValue,
-    Value, constant,
+    TupleValue, Value, constant,
 )
 from s2sad.live_objects.registry import GIVEN
 from s2sad.tree import AST
@@ -66,6 +66,9 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
         return _one_of(ev, function.number, function.functions, args, keywords, node, f)
     if isinstance(function, MethodValue):
         if isinstance(function.base, Data) and not isinstance(function.base.known, str):
+            if function.base.is_list:
+                args = [Data(ev.spelled_item(a, node, f)) if isinstance(a, (Reference, TupleValue)) else a
+                        for a in args]
             made = residual_call(ev, tree.attribute(spelled_base(ev, function.base, node), function.name), args,
                                  keywords, node)
             return replace(made, shape=of_method(function.base, function.name, args, keywords),

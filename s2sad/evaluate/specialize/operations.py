@@ -104,6 +104,7 @@ class Operations:
     sorted_items: Callable[..., Any]
     special_method: Callable[..., Any]
     spelled: Callable[..., Any]
+    spelled_item: Callable[..., Any]
     statements: Callable[..., Any]
     stays_one: Callable[..., Any]
     store: Callable[..., Any]

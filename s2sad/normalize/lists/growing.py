@@ -25,6 +25,7 @@ from s2sad.normalize.lists.list_contents import COPIED, row_aliases
 from s2sad.evaluate.loops.escaping_lists import escaping_lists, has_sizes, list_repetition
 from s2sad.evaluate.scope import KernelScope
 from s2sad.liveness import base_name, targets
+from s2sad.normalize.views.view_aliases import makes_view
 from s2sad.evaluate.loops.list_iteration import list_iteration
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BoolOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, Gt,
@@ -37,6 +38,7 @@ _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "re
 
 _REBOUND = ("pick its elements by written numbers, or in loops through it, and give it no second name; or allocate an "
          "array before and fill it in a for loop")
+_SAME = ("numpy.asarray", "numpy.ascontiguousarray")
 _EXTREME = {"builtins.max": "numpy.max", "builtins.min": "numpy.min"}      # of one list
 
 
@@ -221,6 +223,9 @@ class _GrowingLists:
                 node.args[0], Name) and node.args[0].id in self.made:
             items = index(node.args[0], Slice(None, name(self.counts[node.args[0].id]), None))
             return at(call(_EXTREME[call_name(node) or ""], items), node)
+        if isinstance(node, Call) and makes_view(node) and base_name(node.args[0]) in self.made and id(
+                node.args[0]) in self.as_arrays:
+            return self.new_array(node)
         if isinstance(node, Attribute) and isinstance(node.value, Name) and node.value.id in self.made:
             self.scope.refuse(node, f"the method {node.attr!r} of a list", help="a list may grow by append and be read")
             return copy(node)
@@ -232,6 +237,14 @@ class _GrowingLists:
                                   help="make it an array with np.array")
             return at(index(name(node.id), Slice(None, name(self.counts[node.id]), None)), node)
         return None
+
+    def new_array(self, node: Call) -> AST:
+        """A function that gives a view of an array, of a list: it makes an array of its items, a new one."""
+        items, *args = map(self.read, node.args)
+        keywords = [self.read(k) for k in node.keywords]
+        if call_name(node) in _SAME:
+            return at(Call(name("numpy.array"), [items, *args], keywords), node)
+        return at(Call(self.read(node.func), [call("numpy.array", items), *args], keywords), node)
 
     def element(self, node: Subscript) -> AST:
         """An element of a list, counted from the end where its index is negative."""

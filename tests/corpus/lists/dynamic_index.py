@@ -241,6 +241,7 @@ def cases():
     # derivatives
     for kernel, wrt, of in KERNELS:
         yield Case(kernel, (X.copy(), 4), (wrt,), of)
+    yield Case(in_a_list_twice, (X.copy(), 4), "x")
     # one element in each
     yield Case(put_anew_of_one, (X[:1], 3), ("x",))
     yield Case(not_known_to_differ, (X, 4), "x")
@@ -266,9 +267,6 @@ def cases():
             (in_two_lists,
              "S201 at `m[t % 2][0] += w[t % 2][1] ** 2`: the list 'm' holds views of an array, or one array "
              "several times, and what it holds is written: append a copy: .append(x.copy())"),
-            (in_a_list_twice,
-             "S201 at `w[t % 2][0][0] += 2.0 * x[1]`: the list 'w' holds views of an array, or one array several "
-             "times, and what it holds is written: append a copy: .append(x.copy())"),
             (kept_and_put_anew,
              "S201 at `m[t % 2] = 0.5 * m[(t + 1) % 2] + x ** 2`: an element of the list 'm' becomes another "
              "array, and what it was is read later: name a copy of what it was: x = xs[k].copy()"),

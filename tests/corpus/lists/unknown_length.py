@@ -370,6 +370,59 @@ def part_that_changes(x):
     return s
 
 
+def arrays_of_a_list(x):
+    h = []
+    v = x[0]
+    while v < 60.0:
+        v = v * 1.1 + x[1]
+        h.append(v)
+    a, b, c = np.asarray(h), np.ravel(h), np.flip(h)
+    parts = np.asarray(h[1:])
+    a[1] = 50.0 * x[1]
+    b[0] = c[0] = parts[2] = x[2]
+    h[2] = 3.0
+    return a.sum() + np.sum(b * c) + parts.sum() + sum(h)
+
+
+def row_with_a_name(x):
+    h = []
+    v = x[0]
+    while v < 60.0:
+        row = [v, v * x[1]]
+        h.append(row)
+        v = v * 1.2 + row[0] * x[2]
+    return sum(a * b for a, b in h)
+
+
+def row_that_is_written(x):
+    h = []
+    v = x[0]
+    while v < 60.0:
+        row = [v, v * x[1]]
+        h.append(row)
+        row[1] += x[2]
+        v *= 1.2
+    return sum(a * b for a, b in h)
+
+
+def row_many_times(x):
+    h = []
+    row = [x[0], x[1]]
+    for k in range(len(x)):
+        row[k % 2] += x[k]
+        h.append(row)
+    return sum(a * b for a, b in h)
+
+
+def row_that_is_copied(x):
+    h = []
+    row = [x[0], x[1]]
+    for k in range(len(x)):
+        row[1] += x[k]
+        h.append(list(row))
+    return sum(a * b for a, b in h)
+
+
 def cases():
     for kernel in (adaptive_times, left_by_break, pairs, of_helpers, element_is_written, rows_are_written,
                    made_in_a_loop, appended_in_an_inner_loop, under_a_condition, accepted_steps,
@@ -378,8 +431,11 @@ def cases():
                    one_array_many_times, constants_and_numbers, integers, bisection, rows_of_numbers,
                    backwards):
         yield Case(kernel, (X,), "x")
-    for kernel in (parts, truth_of_lists):
+    for kernel in (parts, truth_of_lists, arrays_of_a_list, row_with_a_name, row_that_is_copied):
         yield Case(kernel, (X,), "x")
+    for kernel in (row_that_is_written, row_many_times):
+        yield Case(kernel, (X,), "x", refused="S201 at `h.append(row)`: a list holds another list that is written, not "
+                   "a copy of it: append a copy: .append(list(w))")
     yield Case(grows_while_gone_through, (X,), "x", refused="S201 at `us`: a list that grows while it is gone through: "
                "write a while loop: while k < len(us)")
     yield Case(part_that_changes, (X,), "x", refused="S201 at `h[:-1]`: a part of a list: allocate an array before and "
