@@ -423,6 +423,14 @@ def row_that_is_copied(x):
     return sum(a * b for a, b in h)
 
 
+def row_in_a_comprehension(x):
+    row = [x[0], x[1]]
+    h = [row for k in range(len(x))]
+    row[0] += x[2]
+    h[1][1] = x[3]
+    return sum(a * b for a, b in h)
+
+
 def cases():
     for kernel in (adaptive_times, left_by_break, pairs, of_helpers, element_is_written, rows_are_written,
                    made_in_a_loop, appended_in_an_inner_loop, under_a_condition, accepted_steps,
@@ -436,6 +444,8 @@ def cases():
     for kernel in (row_that_is_written, row_many_times):
         yield Case(kernel, (X,), "x", refused="S201 at `h.append(row)`: a list holds another list that is written, not "
                    "a copy of it: append a copy: .append(list(w))")
+    yield Case(row_in_a_comprehension, (X,), "x", refused="S201 at `[row for k in range(len(x))]`: a list holds "
+               "another list that is written, not a copy of it: append a copy: .append(list(w))")
     yield Case(grows_while_gone_through, (X,), "x", refused="S201 at `us`: a list that grows while it is gone through: "
                "write a while loop: while k < len(us)")
     yield Case(part_that_changes, (X,), "x", refused="S201 at `h[:-1]`: a part of a list: allocate an array before and "

@@ -107,7 +107,7 @@ def _residual(ev: Evaluator, node: Any, f: Frame) -> Value | None:
             target = tree._target(tree.rename(one.target, names))
             tests = [ev.spelled(ev.value(t, frame), t) for t in one.ifs]
             generators.append(type(one)(target, iterated, tests, 0))
-        element = ev.spelled(ev.value(node.elt, frame), node.elt)
+        element = ev.spelled_item(ev.value(node.elt, frame), node.elt)
         if ev.has_acted(before):
             raise ev.unknown(node, "a comprehension whose items are computed by statements")
     except Unevaluated:
