@@ -115,9 +115,11 @@ class NormalForms(Calls):
         title = self.titles.fresh(kernel.name)
         kernel = replace(kernel, name=title)
         types = tuple(context.typing.argument(p) for p in kernel.tree.args.args)
-        inner = replace(context, kernel=kernel, names=Names(n.id for n in walk(kernel.tree) if isinstance(n, Name)),
-                        given=dict(zip(kernel.parameters, types)))
-        inner.report, inner.typing = context.report, context.typing.copy()
+        there = {n.id: n for n in walk(kernel.tree) if isinstance(n, Name)}
+        inner = replace(context, kernel=kernel, names=Names(there), given=dict(zip(kernel.parameters, types)))
+        table = {n: context.typing.argument(node) for n, node in there.items() if n in context.typing.table}
+        inner.report = context.report
+        inner.typing = inner.typed(table, context.report, context.typing.final)     # names of others may be made anew
         tree = with_body(kernel.tree, [*marks, *kernel.tree.body])
         tree = run(STEPS if loop is None else LOOPS_OF_STEPS, tree, inner)
         inner.lowered = remove_marks(inner.lowered, inner)
