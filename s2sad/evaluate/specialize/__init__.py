@@ -21,13 +21,14 @@ from s2sad.evaluate.specialize.functions import builtin_functions, library_calls
 from s2sad.evaluate.specialize.separate import separate_call
 from s2sad.evaluate.specialize.sparse import matrix_construction, matrix_operations, matrix_values
 from s2sad.evaluate.specialize.sequences import (
-    container_methods, containers, cursors, gathering, generators, iteration, iterator_use, shared_rows,
+    constant_tables, container_methods, containers, cursors, gathering, generators, iteration, iterator_use,
+    shared_rows,
 )
 
 __all__ = [
     "Residual", "assignment", "attributes", "branches", "builtin_functions", "choices", "class_layout", "class_lookup",
-    "comparisons", "compound_statements", "construction", "container_methods", "containers", "cursors",
-    "definitions", "displays", "file_values", "frames", "function_calls", "gathering", "generators",
+    "comparisons", "compound_statements", "constant_tables", "construction", "container_methods", "containers",
+    "cursors", "definitions", "displays", "file_values", "frames", "function_calls", "gathering", "generators",
     "guard_statements", "iteration", "iterator_use", "library_calls", "live_values", "loop_statements",
     "matrix_construction", "matrix_operations", "matrix_values", "meanings", "numeric_operators", "object_functions",
     "residual_loops", "separate_call", "shape_changes", "shared_rows",

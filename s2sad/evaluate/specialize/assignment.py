@@ -158,8 +158,9 @@ def _assign_part(ev: Evaluator, base: Reference, part: SliceValue, value: Value,
 @statement("Assign")
 def assign(ev: Evaluator, s: Any, f: Frame) -> None:
     first = s.targets[0]
-    if isinstance(first, tree.Name):
-        ev.wanted = (s.value, first.id, s)
+    ev.wanted = {value: (name, s) for name, value in _bound(first, s.value)}
+    if isinstance(first, (tree.Tuple, tree.List)):
+        ev.spread.add(s.value)
     if isinstance(s.value, tree.Call) and len(s.targets) == 1:
         ev.targets = _simple_names(first)
     value = ev.value(s.value, f)
@@ -167,6 +168,15 @@ def assign(ev: Evaluator, s: Any, f: Frame) -> None:
         value = _held_items(ev, value, s)
     for target in s.targets:
         store(ev, target, value, f, s)
+
+
+def _bound(target: AST, value: AST) -> list[tuple[str, AST]]:
+    """The names that a target binds, with what stands beside each."""
+    if isinstance(target, tree.Name):
+        return [(target.id, value)]
+    if isinstance(target, (tree.Tuple, tree.List)) and isinstance(value, (tree.Tuple, tree.List)):
+        return [pair for t, v in zip(target.elts, value.elts) for pair in _bound(t, v)]
+    return []
 
 
 def _simple_names(target: AST) -> tuple[str, ...]:

@@ -30,6 +30,7 @@ from s2sad.evaluate.specialize.entry_results import result_structure_of
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.separate.separate_functions import title_functions
 from s2sad.evaluate.specialize.sparse.place_writes import settled_places
+from s2sad.evaluate.specialize.sequences.constant_tables import with_tables
 from s2sad.evaluate.specialize.unread_lists import without_unread_lists
 from s2sad.evaluate.specialize.meanings import ResidualScope
 from s2sad.evaluate.specialize.values import (
@@ -161,6 +162,7 @@ def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[
     body = without_unread_lists(settled_places(ev.block, lambda s: ev.refusal(
         s, "the places of the entries of a sparse matrix are written after it was made", "copy them before, or build "
         "another matrix"))) or [tree.at(tree.Pass(), definition)]
+    body = with_tables(ev, body)
     title_functions(ev, body, [definition.name])
     result = result_structure_of(ev)
     function_tree = tree.at(tree.function(definition.name, list(names), body), definition)

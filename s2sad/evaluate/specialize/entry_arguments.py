@@ -78,14 +78,14 @@ def argument_value(ev: Evaluator, form: Form, path: str, wanted: str, origin: AS
         name = own
     if form == UNKNOWN:         # an array or a number
         return Data(tree.at(tree.name(name), origin), demands=frozenset((fact,)), origins=frozenset((path,)))
+    node = tree.at(tree.name(name), origin)
     if form.is_number and form.dtype in ("int64", "bool"):
         known = ev.facts.get(fact, NOT_KNOWN)
-        return Data(tree.at(tree.name(name), origin), known, frozenset() if fact in ev.facts else frozenset((fact,)),
-                    shape=())
+        return Data(node, known, frozenset() if fact in ev.facts else frozenset((fact,)), shape=(), dtype=form.dtype)
     if not form.is_array:
-        return Data(tree.at(tree.name(name), origin), shape=())
-    return Data(tree.at(tree.name(name), origin), origins=frozenset((path,)), shape=ev.facts.get(
-        (path, "shape"), (None,) * form.rank))
+        return Data(node, shape=(), dtype=form.dtype)
+    return Data(node, origins=frozenset((path,)), shape=ev.facts.get((path, "shape"), (None,) * form.rank),
+                dtype=form.dtype)
 
 
 def _class(ev: Evaluator, made: Any, origin: AST) -> ClassValue:

@@ -106,10 +106,13 @@ class Evaluator(Operations):
         self.depth = self.emitted = 0
         self.guarded: tuple[frozenset[Fact], ...] = ()      # residual branches and loops around: what would decide them
         self.owning = False                                 # what is taken from outside now belongs to a bound object
-        self.wanted: tuple[AST, str, AST] | None = None     # what gets a name, that name and the statement
+        self.wanted: dict[AST, tuple[str, AST]] = {}        # what gets a name, that name and the statement
         self.called = self.label = ""                       # the function that is called; what a new object is for
         self.touched: set[int] = set()                          # objects that are changed
         self.targets: tuple[str, ...] = ()                      # the names that take what a call gives
+        self.tables: dict[Any, tuple[str, AST]] = {}            # arrays of numbers that are known, by these
+        self.outside_tables: dict[Any, Any] = {}
+        self.spread: set[AST] = set()                           # the expressions of which only items are taken
         self.returns: Callable[[AST, Value, Frame], None] = self.return_from_entry
         self.separate: Any = None                               # the functions that stay functions
         self.mentioned: dict[int, frozenset[str]] = {}          # the names in functions' texts
@@ -129,11 +132,11 @@ class Evaluator(Operations):
         plain = name.strip("[].'\"")
         return self.outside_error(node, f"'{owner}' has no '{plain}'", help, "S202")
 
-    def unknown(self, node: AST, message: str, value: Value | None = None, help: str = "", site: Any = None
-                ) -> Unevaluated:
+    def unknown(self, node: AST, message: str, value: Value | None = None, help: str = "", site: Any = None,
+                code: str = "S201") -> Unevaluated:
         """What must be known and is not."""
         demands = value.demands if isinstance(value, (Data, OpaqueValue, Conflict)) else frozenset()
-        return Unevaluated(self.refusal(node, message, help), demands, site)
+        return Unevaluated(self.refusal(node, message, help, code), demands, site)
 
     def change(self, reference: Reference, node: AST) -> Object:
         """The object, which is about to be changed."""
@@ -190,7 +193,7 @@ class Evaluator(Operations):
         if isinstance(value, Data):
             return self.named(value, wanted, origin)
         if isinstance(value, TupleValue):
-            return replace(value, items=tuple(self.atoms(v, f"{wanted}_{k}", origin) for k, v in enumerate(
+            return replace(value, row=None, items=tuple(self.atoms(v, f"{wanted}_{k}", origin) for k, v in enumerate(
                 value.items)))
         if isinstance(value, (SliceValue, Iteration)):
             return replace(value, parts=tuple(self.atoms(v, wanted, origin) for v in value.parts))  # pyright: ignore
@@ -265,7 +268,7 @@ class Evaluator(Operations):
                 return replace(value, node=tree.at(tree.name(new), origin))
             return value
         if isinstance(value, TupleValue):
-            return replace(value, items=tuple(self._held(v, rebound, origin) for v in value.items))
+            return replace(value, row=None, items=tuple(self._held(v, rebound, origin) for v in value.items))
         if isinstance(value, (SliceValue, Iteration)):
             return replace(value, parts=tuple(self._held(v, rebound, origin) for v in value.parts))  # pyright: ignore
         if isinstance(value, MethodValue):
@@ -300,6 +303,7 @@ class Evaluator(Operations):
         self.heap.objects = {**self.outset, **before.objects}
         self.block[:] = before.block
         self.names = before.names.copy()
+        self.names.taken |= {name for name, _ in self.tables.values()}
         self.effects, self.emitted = before.effects, before.emitted
         del self.rebound[before.rebound:]
         self.unrolled_loops = dict(before.unrolled_loops)

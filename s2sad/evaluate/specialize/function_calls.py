@@ -14,6 +14,7 @@ from s2sad.evaluate.specialize.control.choices import chosen
 from s2sad.evaluate.specialize.displays import flat
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
+from s2sad.evaluate.specialize.functions.known_options import with_known_options
 from s2sad.evaluate.specialize.signals import Leave, Unevaluated
 from s2sad.evaluate.specialize.sequences.generators import is_generator
 from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
@@ -66,6 +67,7 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
         return _one_of(ev, function.number, function.functions, args, keywords, node, f)
     if isinstance(function, MethodValue):
         if isinstance(function.base, Data) and not isinstance(function.base.known, str):
+            args, keywords = with_known_options(ev, f"numpy.{function.name}", args, keywords, node, is_method=True)
             if function.base.is_list:
                 args = [Data(ev.spelled_item(a, node, f)) if isinstance(a, (Reference, TupleValue)) else a
                         for a in args]

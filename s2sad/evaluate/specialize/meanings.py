@@ -38,12 +38,13 @@ def meaning_value(ev: Evaluator, name: str, meaning: Meaning, node: AST, f: Fram
     if isinstance(meaning, UserFunctionValue):
         return ev.file_function(meaning.handle)
     if isinstance(meaning, Number):
-        return Data(tree.at(tree.name(_named(ev, meaning)), node), meaning.value)
+        return Data(tree.at(tree.name(outside_name_of(ev, meaning)), node), meaning.value)
     if isinstance(meaning, Matrix):
         return ev.outside_matrix(meaning, node, f)
     if isinstance(meaning, Array) and not isinstance(meaning, NumberTable):
         rank = getattr(meaning.value, "ndim", None)      # guarded, the lengths are not
-        return Data(tree.at(tree.name(_named(ev, meaning)), node), shape=None if rank is None else (None,) * rank)
+        named = tree.at(tree.name(outside_name_of(ev, meaning)), node)
+        return Data(named, shape=None if rank is None else (None,) * rank)
     if isinstance(meaning, Record):
         return class_value(meaning.value)
     if isinstance(meaning, ModuleValue) and not isinstance(meaning, Namespace):
@@ -105,7 +106,8 @@ def library_member(ev: Evaluator, path: str, name: str, node: AST) -> Value:
     return _library(ev, f"{path}.{name}", node)
 
 
-def _named(ev: Evaluator, meaning: Number | Array) -> str:
+@operation
+def outside_name_of(ev: Evaluator, meaning: Number | Array) -> str:
     """The residual name of a number or an array from outside."""
     for name, known in ev.outside.items():
         if known is meaning or type(known) is type(meaning) and known.name == meaning.name and (  # pyright: ignore

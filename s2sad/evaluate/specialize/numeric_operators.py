@@ -86,6 +86,8 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
             return Data(tree.at(tree.BinOp(left.node, op, right.node), node), known, demands)
     for value, operand in ((left, "left"), (right, "right")):
         refuse_no_number(ev, value, getattr(node, operand, node))
+    if isinstance(op, tree.Pow) and isinstance(right, Data) and right.is_signed:     # an array's integers have no such
+        right = Data(tree.call(ev.library("builtins.float"), ev.spelled(right, node)), shape=right.shape)
     found_shape = None if isinstance(op, tree.MatMult) else broadcast(left, right)
     return Data(tree.at(tree.BinOp(ev.spelled(left, node), op, ev.spelled(right, node)), node), demands=demands,
                 shape=found_shape, origins=origins(left, right),

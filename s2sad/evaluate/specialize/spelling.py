@@ -35,7 +35,7 @@ def spelled(ev: Evaluator, value: Value, origin: AST) -> AST:
     if isinstance(value, LibraryValue) and not value.first and not value.keywords:
         return tree.at(tree.name(ev.library(value.path)), origin)
     if isinstance(value, SliceValue):
-        return tree.at(tree.call("slice", *(spelled(ev, v, origin) for v in value.parts)), origin)
+        raise ev.unknown(origin, "a slice that is no subscript", help="write the slice where it is used: x[a:b]")
     if isinstance(value, Iteration) and value.kind in ("range", "zip", "enumerate", "reversed"):
         return tree.at(tree.call(value.kind, *(spelled(ev, v, origin) for v in value.parts)), origin)
     if isinstance(value, Iteration) and value.kind.startswith("numpy."):

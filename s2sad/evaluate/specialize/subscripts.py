@@ -28,6 +28,8 @@ def slice_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
 
 @expression("Subscript")
 def subscript(ev: Evaluator, node: Any, f: Frame) -> Value:
+    if isinstance(node.value, tree.Subscript):
+        ev.spread.add(node.value)
     base, place = ev.values([node.value, node.slice], f)
     return item_of(ev, base, place, node, f)
 

@@ -53,6 +53,8 @@ class Data:
     may_be_unbound: bool = field(default=False, compare=False)
     is_list: bool = field(default=False, compare=False)     # of the residual program
     shape: tuple[int | None, ...] | None = field(default=None, compare=False)       # lengths of axes, as far as known
+    dtype: str = field(default="", compare=False)           # of an argument as it is given
+    is_signed: bool = field(default=False, compare=False)   # an integer of a table with negative ones
     count: int | None = field(default=None, compare=False)      # of a tuple's items
 
     @property
@@ -76,8 +78,10 @@ class Data:
 
 @dataclass(frozen=True)
 class TupleValue:
+    """A tuple; `row` is the table that a variable has picked it from, and the place, before it has a name."""
     items: tuple[Value, ...]
     made: ClassValue | None = None
+    row: tuple[Data, Value] | None = field(default=None, compare=False)
 
     @cached_property
     def count(self) -> int:
@@ -207,7 +211,9 @@ def alike(a: Value | None, b: Value | None) -> bool:
     if isinstance(a, Data) and isinstance(b, Data):
         if a.is_known != b.is_known or a.is_known and not same(a.known, b.known):
             return False
-        return a.name == b.name if a.name or b.name else a.is_known and a.is_literal and b.is_literal
+        if a.name or b.name:
+            return a.name == b.name and (a.shape, a.dtype) == (b.shape, b.dtype)
+        return a.is_known and a.is_literal and b.is_literal
     if type(a) is not type(b):
         return False
     if isinstance(a, TupleValue) and isinstance(b, TupleValue):

@@ -323,8 +323,11 @@ def _as_result(form: Form, value: Any) -> Any:
         return value
     if value is None:
         value = (None,) * len(form.items)
-    if type(value) not in (list, tuple) or len(value) != len(form.items):
+    if type(value) not in (list, tuple):
         return value
+    if len(value) != len(form.items):
+        raise misfit(f"the seed of 'return' is a {type(value).__name__} of {len(value)}, the result is a {form.kind} "
+                     f"of {len(form.items)}", f"give a {form.kind} of the same length, with None for what is no float")
     return (list if form.kind == "list" else tuple)(map(_as_result, form.items, value))
 
 

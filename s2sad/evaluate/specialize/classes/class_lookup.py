@@ -22,6 +22,8 @@ _OBJECT = ("__init__", "__new__", "__setattr__", "__getattribute__", "__eq__", "
 
 NONE_TYPE = "types.NoneType"
 _NO_NUMBERS = ("builtins.str", "builtins.list", "builtins.tuple", "builtins.dict")
+_INTEGERS = ("builtins.int", "builtins.bool")
+_PYTHONS = {"builtins.float": "float64", "builtins.complex": "complex128"}
 _OF_NUMBERS = (int, float, complex, str)      # classes of the user's may be made of these, and arguments of them
 
 
@@ -146,8 +148,12 @@ def bound(ev: Evaluator, value: Value, instance: Value | None, made: ClassValue 
 def is_instance(ev: Evaluator, value: Value, made: Value, node: AST) -> bool | None:
     """`isinstance(value, made)`; None where it is a matter of types of arrays and numbers."""
     if isinstance(made, TupleValue):
-        found = [is_instance(ev, value, m, node) for m in made.items]
-        return True if True in found else None if None in found else False
+        found: bool | None = False
+        for m in made.items:
+            if one := is_instance(ev, value, m, node):
+                return True
+            found = None if one is None else found
+        return found
     own = class_of(ev, value)
     if isinstance(made, ClassValue) and isinstance(value, Data) and made.live is not None:
         if not value.is_known and issubclass(made.live, _OF_NUMBERS):
@@ -158,23 +164,33 @@ def is_instance(ev: Evaluator, value: Value, made: Value, node: AST) -> bool | N
                                                            and isinstance(value.value, made.live))
     path = made.path if isinstance(made, LibraryValue) else ""
     if isinstance(value, Data):
-        if path == NONE_TYPE:
-            return value.is_known and value.known is None
-        if path == "numpy.ndarray" and value.shape is not None:
-            return value.shape != ()
-        if value.shape is None and value.demands:
+        answer = _is_of_library(value, path)
+        if answer is None and value.demands:
             raise ev.unknown(node, "what an argument is must be known before the run", value)
-        if not value.is_known:
-            return False if value.shape or path in _NO_NUMBERS else None
-        module, _, name = path.rpartition(".")
-        kind = getattr(sys.modules.get(module), name, None)
-        return isinstance(value.known, kind) if isinstance(kind, type) else None
+        return answer
     kinds = {"list": "builtins.list", "dict": "builtins.dict", "set": "builtins.set"}
     if isinstance(value, Reference):
         return kinds.get(ev.heap[value].kind) == path
     if isinstance(value, TupleValue):
         return path == "builtins.tuple"
     return path == "builtins.object"
+
+
+def _is_of_library(value: Data, path: str) -> bool | None:
+    """Whether an array or a number is of a class of a library's; a float64 is a float, for NumPy's are, too."""
+    if value.is_known:
+        module, _, name = path.rpartition(".")
+        kind = getattr(sys.modules.get(module), name, None)
+        return isinstance(value.known, kind) if isinstance(kind, type) else None
+    if path in (NONE_TYPE, *_NO_NUMBERS):
+        return None if value.shape is None and value.demands else False
+    if path == "numpy.ndarray":
+        return None if value.shape is None else value.shape != ()
+    if value.shape:
+        return False
+    if value.dtype in ("int64", "bool") and path in _INTEGERS or not value.dtype:
+        return None         # Python's own and NumPy's are one type here
+    return value.dtype == _PYTHONS[path] if path in _PYTHONS else False if path in _INTEGERS else None
 
 
 @functools.cache

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate.specialize.sequences.constant_tables import lists_in
 from s2sad.evaluate.specialize.sequences.cursors import Known
 from s2sad.evaluate.specialize.sequences.generators import is_lazy
 from s2sad.evaluate.specialize.sequences.known_shapes import item_like, like_items
@@ -16,7 +17,7 @@ from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unevaluated
 from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.control.first_iteration import Split, peeled, split_iteration
 from s2sad.evaluate.specialize.control.residual_loops import ResidualLoop
-from s2sad.evaluate.specialize.values import NONE, Data, Iteration, TupleValue, Value
+from s2sad.evaluate.specialize.values import NONE, Data, Iteration, TupleValue, Value, alike
 from s2sad.evaluate.specialize.control.written_out_loops import WhileCursor
 from s2sad.tree import AST
 
@@ -126,8 +127,16 @@ def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
         ev.heap.put(f.reference, slot, TupleValue((split.first, split.rest)))
         peeled(ev, s, f, split, lambda: rolled(ev, s, lambda: for_stays(ev, s, split.rest, f)), bind)
 
-    if ev.stays_one(whole):
-        rolled(ev, s, lambda: for_stays(ev, s, whole, f), peel, unroll)
+    def stays() -> None:
+        lists = lists_in(ev, whole)
+        for_stays(ev, s, tables, f)
+        if any(len(before) != len(ev.heap.objects[n].items) or not all(
+                map(alike, before.values(), ev.heap.objects[n].items.values())) for n, before in lists):
+            raise ev.unknown(s.iter, "a list is changed by the loop that goes through it")
+
+    tables = ev.through_tables(whole, s.iter)
+    if ev.stays_one(tables):
+        rolled(ev, s, stays, peel, unroll)
     else:
         unroll()
     items = dict(ev.heap[f.reference].items)
@@ -146,12 +155,19 @@ def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> None:
     node = ev.spelled(through, s.iter)
     items = like_items(s.target, item_like(through))
 
+    def placed(n: str, like: Value) -> Value:
+        """A name for what a round takes, for each item of what is a tuple."""
+        if isinstance(like, TupleValue):
+            return TupleValue(tuple(placed(f"{n}_{k}", i) for k, i in enumerate(like.items)))
+        own.setdefault(n, before.get(n) or ev.fresh(n))
+        assert isinstance(like, Data)
+        return replace(like, node=tree.at(tree.name(own[n]), s.target))
+
     def once() -> Callable[[list[AST]], AST]:
-        for n in names:
-            own.setdefault(n, before.get(n) or ev.fresh(n))
-            like = items.get(n, Data(tree.const(None)))
-            ev.heap.put(f.reference, n, replace(like, node=tree.at(tree.name(own[n]), s.target)))
-        target = tree.rename(s.target, own)
+        found = {n: placed(n, items.get(n, Data(tree.const(None)))) for n in names}
+        for n, value in found.items():
+            ev.heap.put(f.reference, n, value)
+        target = tree.rebuild(s.target, lambda n: ev.spelled(found[n.id], n) if isinstance(n, tree.Name) else None)
         loop = ev.loops[-1]
         loop.targets = frozenset(own.values())
         loop.make = lambda body: tree.For(tree._target(target), tree.copy(node), body, [], None)

@@ -13,7 +13,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
 from s2sad.evaluate.specialize.heap import Object
-from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins
+from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins, shape
 from s2sad.evaluate.specialize.values import (
     FACTORY, NONE, ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference,
     SliceValue, SuperValue, TupleValue, Value, constant,
@@ -63,6 +63,14 @@ def _filter(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value
 @function("numpy.ndindex", "numpy.ndenumerate", "numpy.nditer")
 def _indices(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
     return None if options else ev.iterator(f"numpy.{ev.called}", *args)
+
+
+@function("builtins.divmod")
+def _divmod(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
+    if options or len(args) != 2:
+        return None
+    a, b = (ev.atoms(v, "operand", node) for v in args)
+    return TupleValue((ev.binary(tree.FloorDiv(), a, b, node, f), ev.binary(tree.Mod(), a, b, node, f)))
 
 
 @function("builtins.slice")
@@ -163,9 +171,12 @@ def _sorted(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) ->
 
 
 @function("builtins.isinstance")
-def _isinstance(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value | None:
+def _isinstance(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     found = ev.is_instance(args[0], args[1], node)
-    return None if found is None else constant(found)
+    if found is None:
+        raise ev.refusal(node, "the built-in 'isinstance' is not supported in a kernel, but for what an argument is",
+                         help="write one kernel for each type")
+    return constant(found)
 
 
 @function("numpy.isscalar")
@@ -175,7 +186,18 @@ def _isscalar(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Val
         return constant(False)
     if value.is_known:
         return constant(value.known is not None and not isinstance(value.known, tuple))
+    if value.shape is None and value.demands:
+        raise ev.unknown(node, "what an argument is must be known before the run", value)
     return None if value.shape is None else constant(value.shape == ())
+
+
+@function("numpy.ndim")
+def _ndim(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value | None:
+    if not isinstance(args[0], Data):
+        return None
+    if args[0].is_known or args[0].shape is not None:
+        return constant(len(shape(args[0]) or ()))
+    return ev.attribute_of(args[0], "ndim", node, f) if args[0].demands else None
 
 
 @function("builtins.issubclass")

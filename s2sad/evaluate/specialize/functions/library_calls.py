@@ -11,6 +11,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.functions.known_options import with_known_options
 from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.sequences.known_shapes import of_call, origins, shape
 from s2sad.evaluate.specialize.sequences.generators import LAZY
@@ -68,6 +69,7 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
         if constants is not None:
             return constants
     args = [_as_array(ev, path, a, node, f) for a in args]
+    args, keywords = with_known_options(ev, path, args, keywords, node)
     made = ev.residual_call(tree.at(tree.name(ev.library(path)), node), args, keywords, node)
     of_list = path in ("numpy.array", "numpy.asarray") and args and ev.is_spelled_out(args[0])
     found = _of_list(ev, args[0]) if of_list else of_call(path, args, keywords)

@@ -31,6 +31,7 @@ from s2sad.evaluate.specialize.separate.separate_functions import SeparateFuncti
 from s2sad.evaluate.specialize.sequences.generators import is_generator
 from s2sad.evaluate.specialize.sparse.matrix_values import KINDS
 from s2sad.evaluate.specialize.unread_lists import without_unread_lists
+from s2sad.evaluate.specialize.sequences.constant_tables import with_tables
 from s2sad.evaluate.specialize.values import NONE, Data, FunctionValue, Reference, Value, alike, parts
 from s2sad.read.outside_values import UserFunctionValue
 from s2sad.tree import AST
@@ -137,7 +138,8 @@ class _Needed(Exception):
 
 # -- evaluation ------------------------------------------------------------------------------------------------------
 _STATE = ("block", "effects", "rebound", "pending", "names", "leaves", "paths", "texts", "loops", "returned", "depth",
-          "emitted", "guarded", "returns", "label", "called", "owning", "wanted", "targets", "touched", "born")
+          "emitted", "guarded", "returns", "label", "called", "owning", "wanted", "targets", "touched", "born",
+          "tables")
 
 
 @contextmanager
@@ -157,7 +159,7 @@ def _apart(ev: Evaluator, view: CallView) -> Iterator[list[Returned]]:
     ev.paths = {leaf.name: ev.paths[leaf.outer.name] for leaf in view.leaves if leaf.outer.name in ev.paths}
     ev.effects = ev.emitted = 0
     ev.depth += 1
-    ev.label, ev.called, ev.touched, ev.born, ev.wanted = "", "", set(), {}, None
+    ev.label, ev.called, ev.touched, ev.born, ev.wanted, ev.tables = "", "", set(), {}, {}, {}
     ev.heap.objects = {**ev.outset, **view.objects}
     # what is given has holders elsewhere
     ev.heap.new(Object("frame", {k: Reference(n) for k, n in enumerate(view.order)}))
@@ -185,7 +187,7 @@ def _evaluated(ev: Evaluator, known: SeparateFunctions, view: CallView, definiti
                 raise
         if any(held.kind in KINDS for held in ev.heap.objects.values()):
             raise _Changes("it makes a sparse matrix, whose places the caller has to look after")
-        body = without_unread_lists(ev.block)
+        body = with_tables(ev, without_unread_lists(ev.block))
         returned = returns_in(body, every)
         if any(isinstance(n, tree.Attribute) and isinstance(n.ctx, tree.Store) for n in tree.walk(body)):
             raise _Changes("it gives an array another shape")

@@ -59,7 +59,7 @@ def picked(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Val
         part = items[slice(*(ev.known(p, node, "an end of a slice of a list") for p in place.parts))]
         return ev.list_of(part, node) if held is not None else TupleValue(tuple(part))
     if not isinstance(place, Data) or not place.is_known:
-        return _by_variable(ev, items, place, node, held)
+        return _by_variable(ev, base, place, node, held)
     if not -len(items) <= place.known < len(items):
         raise ev.refusal(node, f"{ev.subject(base, node)} has {len(items)} items, and no item {place.known}",
                          code="S203")
@@ -91,17 +91,10 @@ def _of_class(ev: Evaluator, base: ClassValue, place: Value, node: AST, f: Frame
     return base
 
 
-def _by_variable(ev: Evaluator, items: list[Value], place: Value, node: AST, held: Object | None) -> Value:
+def _by_variable(ev: Evaluator, base: Value, place: Value, node: AST, held: Object | None) -> Value:
     """An item that a variable picks: of a table of numbers, an array's; else it must be known."""
-    if items and all(isinstance(i, Data) and i.is_literal and type(i.known) in (int, float) for i in items) and (
-            isinstance(place, Data)):
-        numbers = [i.known for i in items if isinstance(i, Data)]
-        if any(type(n) is float for n in numbers):
-            items = [constant(float(n)) for n in numbers]
-        table = tree.call("numpy.array", tree.List([ev.spelled(i, node) for i in items], tree.Load()))
-        table.func.id = ev.library("numpy.array")
-        named = ev.named(Data(tree.at(table, node)), "table", node)
-        return Data(ev.subscripted(named, place, node))
+    if (item := ev.table_item(base, place, node)) is not None:
+        return item
     label = f" of '{held.label}'" if held is not None and held.label else ""
     raise ev.unknown(node, f"which item{label} is meant must be known before the run", place,
                      help="loop over a range that is known, or keep the items in one array",

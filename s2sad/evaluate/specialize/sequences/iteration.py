@@ -28,7 +28,7 @@ def list_of(ev: Evaluator, items: Sequence[Value], origin: AST) -> Value:
         if any(isinstance(i, Data) and isinstance(i.known, bool) for i in items):
             raise ev.refusal(origin, "a list of bools, of which a variable picks", help="make it an array")
         made = tree.at(tree.List([ev.spelled_item(i, origin) for i in items], tree.Load()), origin)
-        wanted, statement = ev.wanted[1:] if ev.wanted is not None and ev.wanted[0] is origin else ("items", origin)
+        wanted, statement = ev.wanted.get(origin, ("items", origin))
         return ev.named(Data(made, is_list=True), wanted, statement)
     count = ev.counted(items, origin)
     held: dict[Hashable, Value] = {k: ev.atoms(v, "item", origin) for k, v in enumerate(items)}

@@ -111,10 +111,10 @@ def item_like(through: Value) -> Value:
     return _item(through)
 
 
-def like_items(target: AST, item: Value) -> dict[str, Data]:
+def like_items(target: AST, item: Value) -> dict[str, Value]:
     """The same by the names of a loop's target."""
     if isinstance(target, Name):
-        return {target.id: item} if isinstance(item, Data) else {}
+        return {target.id: item}
     if not isinstance(target, (Tuple, List)):
         return {}
     items = item.items if isinstance(item, TupleValue) else [_item(item)] * len(target.elts)

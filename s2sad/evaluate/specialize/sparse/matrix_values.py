@@ -94,7 +94,7 @@ def _vector(value: Value) -> Value:
 
 def _wanted(ev: Evaluator, origin: AST) -> str:
     """What a matrix is called that an expression makes."""
-    return ev.wanted[1] if ev.wanted is not None and ev.wanted[0] is origin else "matrix"
+    return ev.wanted[origin][0] if origin in ev.wanted else "matrix"
 
 
 def laid_out(ev: Evaluator, kind: str, parts: Sequence[Value], shape: TupleValue, origin: AST, label: str = ""
