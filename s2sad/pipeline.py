@@ -31,7 +31,6 @@ from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.infer.types import Type, of_value
 from s2sad.evaluate.argument_binding import result_structure
 from s2sad.normalize.calls.global_arrays import global_arrays, hidden_name
-from s2sad.evaluate.expressions.specialize_options import specialize_options
 from s2sad.diagnostics import Diagnostic, S2sadError, WaitingForFacts
 from s2sad.evaluate.specialize import specialize
 from s2sad.live_objects.guards import recording
@@ -228,7 +227,7 @@ def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch =
 def normal_form(program: Program, types: tuple[Type, ...], engine: str, watch: Watch,
                 keep: Mapping[Place, int] = MappingProxyType({})) -> tuple[Units, Unit]:
     """The units of a program, and that of its entry for arguments of these types."""
-    program = specialize_options(global_arrays(program))
+    program = global_arrays(program)
     units = Units(program, engine, watch=watch, checkpoints=keep)
     return units, units.unit(program.entry, types + tuple(of_value(a) for a in program.arrays.values()))
 

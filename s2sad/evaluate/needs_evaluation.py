@@ -1,97 +1,152 @@
 """needs_evaluation: whether a program that was read is made of more than arrays and numbers.
 
-Requires a program with resolved names. Structures, attributes that are assigned, questions about what an argument is,
-and tuples and lists that are given to functions are for the evaluator, which leaves a program of arrays and numbers.
+    a, b = b, (a, x)[k]         the tuple that a variable picks from is a value of its own, that of the targets none
+    us = [x, y]                 neither is the list that a function of arrays is given: np.concatenate([x, y])
+
+Requires a program with resolved names. Structures, tuples and lists as values of their own, slices under names,
+attributes that are assigned, questions about what an argument is, and options that a name stands for are for the
+evaluator, which leaves a program of arrays and numbers.
 """
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterator
+from functools import cache
 
 from s2sad.evaluate.argument_binding import result_structure
-from s2sad.evaluate.effects import bindings
 from s2sad.program import Program
+from s2sad.read.outside_values import library_value
 from s2sad.tree import (
-    AST, Attribute, Compare, Dict, FunctionDef, IfExp, In, Is, IsNot, List, Name, NotIn, Slice, Store, Subscript, Tuple,
-    Call, names, user_call, walk,
+    AST, Assign, Attribute, Call, Compare, Dict, Expr, For, FunctionDef, GeneratorExp, In, Is, IsNot, List, ListComp,
+    Name, NotIn, Return, Starred, Store, Subscript, Tuple, call_name, user_call, walk,
 )
+
+_ASKED = ("builtins.isinstance", "numpy.isscalar", "numpy.ndim")
+_SLICES = ("builtins.slice", "numpy.s_", "numpy.index_exp")
+AXES = frozenset(("axis", "axis1", "axis2", "axes", "source", "destination"))
+OPTIONS = AXES | {"keepdims", "ord", "norm", "mode", "pad_width", "reps", "side", "indexing"}     # of NumPy's functions
 
 
 def needs_evaluation(program: Program) -> bool:
     """Whether the evaluator must say what the program is."""
-    return bool(program.records) or any(
-        any(map(_is_of_structures, walk(k.tree.body))) or gives_sequences(k.tree, program)
-        for k in program.kernels.values())
+    return bool(program.records) or any(_is_evaluated(k.tree, program) for k in program.kernels.values())
 
 
-def _is_of_structures(node: AST) -> bool:
-    """Whether a node makes a structure, assigns an attribute or asks what something is."""
-    if isinstance(node, Compare):
-        return any(isinstance(op, (Is, IsNot, In, NotIn)) for op in node.ops)
-    return isinstance(node, Dict) or isinstance(node, Attribute) and isinstance(node.ctx, Store)
-
-
-def gives_sequences(function: FunctionDef, program: Program) -> bool:
-    """Whether a function gives another one a tuple or a list, as far as the text shows it."""
-    given = [_sliced(a) for call in walk(function.body) for a in _arguments(call)]
-    if any(isinstance(a, (Tuple, List)) or _returns_several(a, program) for a in given):
-        return True
-    reached = _given_names(function)
-    parts = {n for a in given if isinstance(a, Subscript) for n in names(a.value)}
-    for target, value in bindings(function):
-        bound = {n.id for n in walk(target) if isinstance(n, Name)}
-        inside = any(_is_display(n) for n in walk(value) if n is not value)
-        if isinstance(target, Name) and bound & reached and _is_several(value, program) or (
-                not isinstance(target, Name) and bound & reached or _is_display(value) and bound & parts) and inside:
+def _is_evaluated(function: FunctionDef, program: Program) -> bool:
+    spelled: set[int] = set()       # what belongs to the spelling of a node around it
+    for node in walk(function.body):
+        if _asks(node) or _is_together(node, program) and id(node) not in spelled:
             return True
+        spelled.update(map(id, _spelled(node)))
     return False
 
 
-def _given_names(function: FunctionDef) -> set[str]:
-    """The names that calls of user's functions are given, and those that are copied to these or put into them."""
-    found = {n.id for call in walk(function.body) for a in _arguments(call) for n in _shown(a)}
-    while True:
-        more = {n.id for target, value in bindings(function) if isinstance(target, Name) and target.id in found
-                for n in _shown(value)}
-        if more <= found:
-            return found
-        found |= more
+def _asks(node: AST) -> bool:
+    """Whether a node makes a structure or a slice, assigns an attribute, asks what something is, or names an option."""
+    if isinstance(node, Compare):
+        return any(isinstance(op, (Is, IsNot, In, NotIn)) for op in node.ops)
+    if isinstance(node, Name):
+        return node.id in _SLICES
+    if isinstance(node, Attribute):
+        return isinstance(node.ctx, Store) or node.attr == "ndim"
+    if isinstance(node, Assign):
+        return len(node.targets) > 1 and any(isinstance(t, Subscript) for t in node.targets)
+    if isinstance(node, Subscript):
+        return call_name(node.value) == "builtins.zip"      # a module's rows of numbers
+    if isinstance(node, Call):
+        return call_name(node) in _ASKED or any(
+            option in OPTIONS and not _is_known(value) for option, value in arguments_by_name(node))
+    return isinstance(node, Dict)
 
 
-def _arguments(node: AST) -> list[AST]:
-    """What a call of a user's function is given."""
-    if not isinstance(node, Call) or user_call(node) is None:
-        return []
-    return [*node.args, *(k.value for k in node.keywords)]
+def _is_known(option: AST) -> bool:
+    """Whether an option is written where it is given."""
+    return not any(isinstance(n, Name) and not n.id.startswith(("builtins.", "numpy.")) for n in walk(option))
 
 
-def _sliced(value: AST) -> AST:
-    """What a slice is taken of."""
-    return value.value if isinstance(value, Subscript) and isinstance(value.slice, Slice) else value
-
-
-def _is_display(node: AST) -> bool:
-    return isinstance(node, (Tuple, List)) and not isinstance(node.ctx, Store)
-
-
-def _is_several(value: AST, program: Program) -> bool:
-    if isinstance(value, IfExp):
-        return _is_several(value.body, program) or _is_several(value.orelse, program)
-    return _is_display(value) or _returns_several(value, program)
-
-
-def _returns_several(value: AST, program: Program) -> bool:
-    called = user_call(value)
+def _is_together(node: AST, program: Program) -> bool:
+    """Whether several values are one for a node: a tuple, a list, what a function returns that gives several."""
+    if isinstance(node, (Tuple, List)):
+        return not isinstance(node.ctx, Store)
+    if isinstance(node, Starred) or call_name(node) == "builtins.divmod":
+        return True
+    called = user_call(node)
     return called is not None and result_structure(called, program) is not None
 
 
-def _shown(value: AST) -> Iterator[Name]:
-    """The names that a value is, or that stand as items in what it spells out."""
-    value = _sliced(value)
-    if isinstance(value, Name):
+def _spelled(node: AST) -> Iterator[AST]:
+    """What belongs to the spelling of a node: the tuples of an assignment, of a return and of a subscript, the displays
+    that a function of arrays is given, those that a loop goes through."""
+    if isinstance(node, Assign):
+        for target in node.targets:
+            yield from _side_by_side(target, node.value)
+        if isinstance(node.value, List) and not node.value.elts:
+            yield node.value        # a list that grows
+    elif isinstance(node, (Return, Expr)) and isinstance(node.value, (Tuple, Call)):
+        yield node.value
+    elif isinstance(node, Subscript):
+        yield from _displays(node.slice)
+    elif isinstance(node, Call) and call_name(node) == "numpy.ndindex":
+        yield from node.args
+    elif isinstance(node, Call) and _is_of_arrays(node):
+        for given in [*node.args, *(k.value for k in node.keywords)]:
+            yield from _displays(given)
+    elif isinstance(node, (For, ListComp, GeneratorExp)):
+        for loop in [node] if isinstance(node, For) else node.generators:
+            yield from walk(loop.iter) if not _takes_rows(loop) else ()
+    elif isinstance(node, (Tuple, List)) and isinstance(node.ctx, Store):
+        yield from node.elts
+    elif isinstance(node, Call) and call_name(node) == "builtins.isinstance":
+        yield from node.args
+
+
+def _side_by_side(target: AST, value: AST) -> Iterator[AST]:
+    """The displays and calls of which a target takes each item by itself."""
+    if isinstance(target, (Tuple, List)) and not any(isinstance(t, Starred) for t in target.elts):
         yield value
-    elif isinstance(value, (Tuple, List)):
+        if isinstance(value, (Tuple, List)):
+            for t, v in zip(target.elts, value.elts):
+                yield from _side_by_side(t, v)
+
+
+def _displays(value: AST) -> Iterator[AST]:
+    if isinstance(value, (Tuple, List)):
+        yield value
         for item in value.elts:
-            yield from _shown(item)
-    elif isinstance(value, IfExp):
-        yield from _shown(value.body)
-        yield from _shown(value.orelse)
+            yield from _displays(item)
+
+
+def _is_of_arrays(node: Call) -> bool:
+    """Whether a call is one of a library's function or of an array's method."""
+    called = call_name(node) or ""
+    if isinstance(node.func, Attribute):
+        return node.func.attr not in ("append", "insert", "extend")
+    return not called.startswith(("user.", "builtins."))
+
+
+def _takes_rows(loop: AST) -> bool:
+    """Whether a loop has one name for several values in each round."""
+    rows = loop.iter.elts if isinstance(loop.iter, (Tuple, List)) else []
+    return isinstance(loop.target, Name) and (any(isinstance(r, (Tuple, List)) for r in rows) or call_name(
+        loop.iter) in ("builtins.zip", "builtins.enumerate"))
+
+
+def arguments_by_name(node: Call) -> Iterator[tuple[str, AST]]:
+    """The arguments of a function of NumPy's, or of an array's method, by the names of its parameters."""
+    called = call_name(node)
+    places = parameters_of_library(called) if called is not None else parameters_of_library(
+        f"numpy.{node.func.attr}")[1:] if isinstance(node.func, Attribute) else ()
+    yield from zip(places, node.args)
+    yield from ((k.arg, k.value) for k in node.keywords if k.arg)
+
+
+@cache
+def parameters_of_library(path: str) -> tuple[str, ...]:
+    """The parameters of a function of NumPy's that arguments by place stand for."""
+    if not path.startswith("numpy."):
+        return ()
+    try:
+        found = inspect.signature(library_value(path)).parameters.values()
+    except (TypeError, ValueError):
+        return ()
+    return tuple(p.name for p in found if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD))

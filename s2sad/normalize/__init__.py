@@ -79,7 +79,6 @@ STRUCTURE: Passes = (
     *evaluate.SEQUENCES,
     Pass(mgrid),
     Pass(positional_arguments),
-    *evaluate.CONSTANTS,
     Pass(growing),
     *evaluate.STATEMENTS,
     Pass(single_exit),
@@ -91,12 +90,9 @@ CALLS: Passes = (
     Pass(tuple_results),
     Pass(einsum),
     Pass(canonical_calls),
-    *evaluate.OPTIONS,
 )
 TYPES: Passes = (
-    *evaluate.TYPE_TESTS,
     Pass(inline),
-    *evaluate.LEFT,
     Pass(tuple_arguments),
     Repeat((
         Pass(live_range_splitting),

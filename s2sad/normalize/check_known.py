@@ -1,8 +1,7 @@
 """check_known: every operation gives a number or an array; what has another type, or none, would pass as constant.
 
     def f(x: "float64[:]"):
-        t = (x[0], x[1])
-        return max(t + (x[2],))
+        return x[0] * max(x.shape + x.shape)
 
 refused: the type of this cannot be inferred
 

@@ -24,7 +24,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from s2sad import pipeline, read
+from s2sad import pipeline
+from s2sad.dispatch import compiler
 from s2sad.dispatch.arguments import bind
 from s2sad.emit import module_text
 from s2sad.interface.pytrees import flatten
@@ -64,7 +65,7 @@ def given(case: str) -> Given:
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    program, kernel, arguments = read.load(module.kernel), module.kernel, module.ARGUMENTS
+    program, kernel, arguments = compiler.program(module.kernel), module.kernel, module.ARGUMENTS
     apart = flatten(ProgramVersion.of(program, kernel), arguments)
     if apart is not None:
         arguments = bind(program.kernels[program.entry], arguments)

@@ -32,7 +32,6 @@ from collections.abc import Callable, Collection
 from s2sad.infer.call_types import MARKS
 from s2sad.evaluate.expressions.hoist import impure, operands, replace_operands
 from s2sad.evaluate.scope import KernelScope, atomic
-from s2sad.evaluate.expressions.slice_names import one_by_one
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BoolOp, Break, Call, Expr, For, FunctionDef, GeneratorExp, If,
     IfExp, List, ListComp, Name, Not, Starred, Subscript, Tuple, UnaryOp, While, assign, at, augment, call,
@@ -75,9 +74,6 @@ class _Comprehensions:
         return [at(made, s) for s in block for made in self.statement(s)]
 
     def statement(self, statement: AST) -> list[AST]:
-        apart = one_by_one(statement, lambda value: isinstance(value, (List, ListComp)))
-        if apart != [statement]:
-            return [made for s in apart for made in self.statement(s)]
         outer, self.before = self.before, []
         target = statement.targets[0] if isinstance(statement, Assign) and len(statement.targets) == 1 else None
         if isinstance(target, Name) and isinstance(statement.value, ListComp):

@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.evaluate.expressions.table_columns import Column, bound_columns
+from s2sad.evaluate.loops.table_columns import Column, bound_columns
 from s2sad.evaluate.loops.late_reads import is_read_late, plain_item
 from s2sad.evaluate.completion import BREAK, completion
 from s2sad.evaluate.loops.ndindex import IndexLoops, is_index_loop
@@ -32,7 +32,6 @@ from s2sad.evaluate.effects import bindings, parameters
 from s2sad.evaluate.loops.unrolling import Rounds
 from s2sad.evaluate.scope import KernelScope
 from s2sad.evaluate.loops.iterators import Hold, literal, sequence
-from s2sad.evaluate.expressions.static_options import in_round
 from s2sad.evaluate.expressions.unpack import unpack
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Not, Subscript, Tuple,
@@ -161,7 +160,7 @@ class _Loops:
         rest: list[AST] = []
         for item in reversed(items):
             bound = [at(s, node) for s in unpack([copy(node.target)], copy(item), self._scope)]
-            again = in_round(copy(body), node.target, item)
+            again = copy(body)
             this_round = [*bound, *(_flagged(again, stopped) if stopped else again)]
             rest = [*this_round, at(If(UnaryOp(Not(), name(stopped)), rest, []), node)] if stopped and rest \
                 else this_round + rest

@@ -18,7 +18,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import product
 
-from s2sad.evaluate.expressions.tuple_names import apart
 from s2sad.evaluate.completion import BREAK, CONTINUE, completion
 from s2sad.evaluate.expressions.hoist import constant_index
 from s2sad.evaluate.effects import parameters
@@ -36,7 +35,7 @@ _THROUGH = ("builtins.zip", "builtins.enumerate", "builtins.reversed")
 
 def list_iteration(function: FunctionDef) -> FunctionDef:
     """The function without such loops and comprehensions."""
-    new = with_body(function, apart(function.body, lambda value: isinstance(value, (List, ListComp))))
+    new = with_body(function, function.body)
     lengths = _lengths(new)
     if not lengths or not _is_needed(new, lengths):
         return function

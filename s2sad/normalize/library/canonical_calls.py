@@ -12,7 +12,6 @@ from __future__ import annotations
 from functools import reduce
 
 from s2sad import rules
-from s2sad.evaluate.expressions.literal_concatenation import items_of as literal_items
 from s2sad.normalize.library.element_moves import canonical_move
 from s2sad.normalize.library.option_spellings import item, option_spellings
 from s2sad.normalize.library.typed_rewrites import CONJUGATING, sum_start
@@ -65,9 +64,6 @@ def _operator(node: BinOp) -> AST | None:
     if isinstance(node.op, (Sub, Div, Pow)) and any(isinstance(s, (Tuple, List)) for s in (node.left, node.right)):
         left, right = map(_literal_as_array, (node.left, node.right))
         return rebuild(at(BinOp(left, node.op, right), node), _canonical)
-    for kind in (List, Tuple):
-        if (listed := literal_items(node, kind)) is not None:
-            return at(kind([rebuild(item, _canonical) for item in listed], name("_").ctx), node)
     return None
 
 

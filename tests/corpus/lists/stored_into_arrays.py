@@ -97,4 +97,4 @@ def cases():
         yield Case(kernel, (np.ones(3),), "x", of=("x",))
     # slices refused
     yield Case(slice_passed, (np.ones(3),), of=None, refused=(
-        "S201 at `part`: a slice that is no subscript: write the slice where it is used: x[a:b]"))
+        "S201 at `np.take(x, part)`: a slice that is no subscript: write the slice where it is used: x[a:b]"))

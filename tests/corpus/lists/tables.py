@@ -88,9 +88,5 @@ def columns_by_a_variable(x):
 
 def cases():
     # derivatives
-    for kernel in (index_and_weight, powers_and_flags, more_than_are_written_out, followed):
+    for kernel in (index_and_weight, powers_and_flags, more_than_are_written_out, followed, columns_by_a_variable):
         yield Case(kernel, (X,), ("x",))
-    # what is refused
-    yield Case(columns_by_a_variable, (X,), "x", refused=(
-        "S201 at `terms = ((0, 0.5), (1, 2))`: 'terms' holds integers and floats, and a variable picks its "
-        "columns: make an array of each column"))
