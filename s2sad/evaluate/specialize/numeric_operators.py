@@ -10,7 +10,7 @@ from s2sad import tree
 from s2sad.diagnostics import S2sadError
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
-from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins
+from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins, shape
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     UNKNOWN, Data, LibraryValue, Reference, OpaqueValue, TupleValue, Value, constant, demands_of,
@@ -88,10 +88,17 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
         refuse_no_number(ev, value, getattr(node, operand, node))
     if isinstance(op, tree.Pow) and isinstance(right, Data) and right.is_signed:     # an array's integers have no such
         right = Data(tree.call(ev.library("builtins.float"), ev.spelled(right, node)), shape=right.shape)
-    found_shape = None if isinstance(op, tree.MatMult) else broadcast(left, right)
+    found_shape = None if isinstance(op, tree.MatMult) else broadcast(*(_as_row(ev, v) for v in (left, right)))
     return Data(tree.at(tree.BinOp(ev.spelled(left, node), op, ev.spelled(right, node)), node), demands=demands,
                 shape=found_shape, origins=origins(left, right),
                 is_list=any(isinstance(v, Data) and v.is_list for v in (left, right)))
+
+
+def _as_row(ev: Evaluator, value: Value) -> Value:
+    """An operand; a sequence of numbers as the array that NumPy makes of it."""
+    items = value.items if isinstance(value, TupleValue) else list(ev.heap[value].items.values()) if isinstance(
+        value, Reference) and ev.heap[value].kind == "list" else ()
+    return Data(tree.const(None), shape=(len(items),)) if items and all(shape(i) == () for i in items) else value
 
 
 def _text_operand(value: Value) -> Any:
