@@ -29,7 +29,6 @@ from s2sad.emit.module import module
 from s2sad.emit.origins import with_origins
 from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.infer.types import Type, of_value
-from s2sad.evaluate.argument_binding import result_structure
 from s2sad.normalize.calls.global_arrays import global_arrays, hidden_name
 from s2sad.diagnostics import Diagnostic, S2sadError, WaitingForFacts
 from s2sad.evaluate.specialize import specialize
@@ -62,7 +61,7 @@ def summary(program: Program, types: tuple[Type, ...], forms: Forms | None = Non
                                     "object that has it", help="do either of them"))
     returned = {k: hidden_name(name, units.program) for k, name in unit.summary.returned.items()}
     return EntrySummary(tuple(parameters[k] for k in unit.summary.written), unit.summary.results, returned,
-                   any(u.guarded for u in units.made.values()), result_structure(program.entry, program),
+                   any(u.guarded for u in units.made.values()),
                    tuple(parameters[k] for k in unit.contiguous),
                    tuple(sorted(units.program.changed_outside)))
 

@@ -1,7 +1,7 @@
 """The nouns that the rooms hand to each other: a kernel, a program, a request, and what was generated."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from s2sad.tree import FunctionDef
 
 T = TypeVar("T")
-Structure = tuple[Any, ...] | None
 _LONG = 200             # lines
 MISFIT = " does not have the shape of the result"      # what a generated file says of a seed, after its name
 
@@ -114,13 +113,12 @@ def _lines(kernel: Kernel) -> int:
 @dataclass(frozen=True)
 class EntrySummary:
     """What an entry writes and returns: names of parameters, types of results, results that are written arguments;
-    whether it holds guards that arrays have one shape, how results are put into tuples, which parameters must be
-    contiguous, and which objects from outside hold something else in the end."""
+    whether it holds guards that arrays have one shape, which parameters must be contiguous, and which objects from
+    outside hold something else in the end."""
     written: tuple[str, ...]
     results: tuple[Type, ...]
     returned: dict[int, str]
     guarded: bool = False
-    structure: Structure = None
     contiguous: tuple[str, ...] = ()
     changed_outside: tuple[str, ...] = ()
 
@@ -210,25 +208,3 @@ class Generated:
     parameters: tuple[Parameter, ...]
     returns: tuple[str, ...]
     facts: dict[str, Any] = field(default_factory=dict)
-
-
-def leaves(structure: Any) -> list[Any]:
-    """The single values of tuples within tuples, in order.
-
-    >>> leaves(((1, 2), 3))
-    [1, 2, 3]
-    """
-    return [leaf for item in structure for leaf in leaves(item)] if isinstance(structure, tuple) else [structure]
-
-
-def nested(values: Iterable[Any], structure: Structure, made: Callable[[list[Any]], Any] = tuple) -> Any:
-    """Values in a row as tuples within tuples.
-
-    >>> nested([1, 2, 3], ((None, None), None))
-    ((1, 2), 3)
-    """
-    left = iter(values)
-
-    def take(part: Structure) -> Any:
-        return next(left) if part is None else made([take(p) for p in part])
-    return take(structure)

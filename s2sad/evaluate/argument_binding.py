@@ -3,10 +3,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from s2sad.evaluate.effects import bindings
 from s2sad.evaluate.scope import KernelScope
-from s2sad.program import Kernel, Program, Structure, leaves
-from s2sad.tree import AST, Call, Constant, IfExp, List, Name, Return, Tuple, literal, user_call, walk_statements
+from s2sad.program import Kernel, Program
+from s2sad.tree import AST, Call, Constant, IfExp, Return, Tuple, literal, user_call, walk_statements
 
 
 def bound_arguments(node: Call, scope: KernelScope) -> list[AST]:
@@ -40,38 +39,24 @@ def _default(kernel: Kernel, parameter: str, node: Call, scope: KernelScope) -> 
     return written
 
 
-def result_structure(kernel: str, program: Program) -> Structure:
-    """What a kernel returns: a tuple of structures, for a list that is spelled out, too, or None for a single value; of
-    tuples of several lengths the longest."""
-    return program.once(_structures).get(kernel)
+def result_count(kernel: str, program: Program) -> int:
+    """How many values a kernel returns side by side, 0 if it returns nothing; of tuples of several lengths the
+    longest."""
+    return program.once(_counts).get(kernel, 1)
 
 
-def _structures(program: Program) -> dict[str, Structure]:
-    """What every kernel returns, callees first."""
-    found: dict[str, Structure] = {}
+def _counts(program: Program) -> dict[str, int]:
+    """How many values every kernel returns, callees first."""
+    found: dict[str, int] = {}
     for title, kernel in program.kernels.items():
-        each = [_structure(node.value, kernel, found)
-                for node in walk_statements(kernel.tree.body) if isinstance(node, Return) and node.value is not None]
-        found[title] = max((f for f in each if f is not None), key=len, default=None)
+        found[title] = max((_count(s.value, found) for s in walk_statements(kernel.tree.body) if isinstance(
+            s, Return) and s.value is not None), default=0)
     return found
 
 
-def result_count(kernel: str, program: Program) -> int:
-    """How many values a kernel returns, those of tuples within tuples too; 1 if it returns nothing."""
-    return len(leaves(result_structure(kernel, program)))
-
-
-def _structure(value: AST, kernel: Kernel, found: Mapping[str, Structure]) -> Structure:
-    if isinstance(value, (Tuple, List)):
-        return tuple(_structure(e, kernel, found) if isinstance(e, (Tuple, List)) else None for e in value.elts)
+def _count(value: AST, found: Mapping[str, int]) -> int:
+    if isinstance(value, Tuple):
+        return len(value.elts)
     if isinstance(value, IfExp):
-        return _structure(value.body, kernel, found)
-    called = user_call(value)
-    if called is not None:
-        return found.get(called)
-    if isinstance(value, Name):
-        bound = [v for target, v in bindings(kernel.tree) if isinstance(target, Name) and target.id == value.id
-                 and (isinstance(v, Tuple) or user_call(v) is not None)]
-        each = [_structure(v, kernel, found) for v in bound]
-        return max((f for f in each if f is not None), key=len, default=None)
-    return None
+        return max(_count(value.body, found), _count(value.orelse, found))
+    return found.get(user_call(value) or "", 1)

@@ -13,7 +13,7 @@ import inspect
 from collections.abc import Iterator
 from functools import cache
 
-from s2sad.evaluate.argument_binding import result_structure
+from s2sad.evaluate.argument_binding import result_count
 from s2sad.program import Program
 from s2sad.read.outside_values import library_value
 from s2sad.tree import (
@@ -29,13 +29,15 @@ OPTIONS = AXES | {"keepdims", "ord", "norm", "mode", "pad_width", "reps", "side"
 
 def needs_evaluation(program: Program) -> bool:
     """Whether the evaluator must say what the program is."""
-    return bool(program.records) or any(_is_evaluated(k.tree, program) for k in program.kernels.values())
+    by_default = any(isinstance(d, tuple) for k in program.kernels.values() for d in k.defaults.values())
+    return bool(program.records) or by_default or any(
+        _is_evaluated(k.tree, program) for k in program.kernels.values())
 
 
 def _is_evaluated(function: FunctionDef, program: Program) -> bool:
     spelled: set[int] = set()       # what belongs to the spelling of a node around it
     for node in walk(function.body):
-        if _asks(node) or _is_together(node, program) and id(node) not in spelled:
+        if _asks(node) or _is_together(node, program) and id(node) not in spelled or _returns_nothing(node, program):
             return True
         spelled.update(map(id, _spelled(node)))
     return False
@@ -71,7 +73,13 @@ def _is_together(node: AST, program: Program) -> bool:
     if isinstance(node, Starred) or call_name(node) == "builtins.divmod":
         return True
     called = user_call(node)
-    return called is not None and result_structure(called, program) is not None
+    return called is not None and result_count(called, program) > 1
+
+
+def _returns_nothing(node: AST, program: Program) -> bool:
+    """Whether what a function gives is returned that gives nothing."""
+    called = user_call(node.value) if isinstance(node, Return) else None
+    return called is not None and result_count(called, program) == 0 and program.kernels[called].own is None
 
 
 def _spelled(node: AST) -> Iterator[AST]:
@@ -83,7 +91,7 @@ def _spelled(node: AST) -> Iterator[AST]:
         if isinstance(node.value, List) and not node.value.elts:
             yield node.value        # a list that grows
     elif isinstance(node, (Return, Expr)) and isinstance(node.value, (Tuple, Call)):
-        yield node.value
+        yield from () if isinstance(node.value, Tuple) and len(node.value.elts) == 1 else (node.value,)
     elif isinstance(node, Subscript):
         yield from _displays(node.slice)
     elif isinstance(node, Call) and call_name(node) == "numpy.ndindex":

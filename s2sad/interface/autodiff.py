@@ -14,7 +14,7 @@ from s2sad.interface.activities import Active, Annotation, BatchDuplicated, Dupl
 from s2sad.dispatch.arguments import INEXACT, kernel_value, bind, coercion, make_zero, misfit, shadow, check_writable
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.dispatch.executable import Executable
-from s2sad.program import Request, leaves
+from s2sad.program import Request
 from s2sad.interface.selection import (
     RETURN, ReturnedValues, Selection, array_seed, places, result_seed, selected_of, selected_wrt, seeds_by_position,
 )
@@ -158,7 +158,7 @@ class AnnotatedCall:
 
     def _zeros(self, primal: Any) -> dict[int, Any]:
         """The tangents of arrays that depend on nothing."""
-        parts = leaves(primal)
+        parts = primal if isinstance(primal, tuple) else (primal,)
         return {k: make_zero(parts[k]) for k in self.results.own if self.results.types[k].is_array}
 
     def _returned(self, found: dict[Any, Any], primal: Any, values: dict[str, Any], shadows: dict[str, Any]) -> Any:

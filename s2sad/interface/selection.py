@@ -11,7 +11,6 @@ import numpy as np
 from s2sad.dispatch.arguments import misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, misfit_of
-from s2sad.program import Structure, leaves, nested
 from s2sad.live_objects.unwrap import python_function
 
 RETURN = "return"
@@ -30,34 +29,30 @@ class Selection(NamedTuple):
 @dataclass(frozen=True)
 class ReturnedValues:
     """The returned values: `floats` are the positions that have derivatives, `own` those that are no written
-    argument, `aliases` the written argument at each other position, `arguments` the argument at each that has one;
-    `nest` is how they are put into tuples."""
+    argument, `aliases` the written argument at each other position, `arguments` the argument at each that has one."""
     types: tuple[Type, ...]
     floats: tuple[int, ...]
     own: tuple[int, ...]
     aliases: dict[int, str]
     arguments: dict[int, str]
-    nest: Structure = None
 
     @classmethod
     def of(cls, summary: Any) -> ReturnedValues:
         types = tuple(summary.results)
         floats = tuple(k for k, t in enumerate(types) if t.is_inexact)
         aliases = {k: name for k, name in summary.returned.items() if k in floats and name in summary.written}
-        return cls(types, floats, tuple(k for k in floats if k not in aliases), aliases, dict(summary.returned),
-                   summary.structure)
+        return cls(types, floats, tuple(k for k in floats if k not in aliases), aliases, dict(summary.returned))
 
     def with_aliases(self, returned: Any, values: dict[str, Any]) -> Any:
         """What the function returned, with the caller's own arrays where it returned an argument."""
-        if self.nest is None:
+        if len(self.types) < 2:
             return values[self.arguments[0]] if self.arguments else returned
-        items = [values[self.arguments[k]] if k in self.arguments else v for k, v in enumerate(leaves(returned))]
-        return nested(items, self.nest)
+        return tuple(values[self.arguments[k]] if k in self.arguments else v for k, v in enumerate(returned))
 
     def structure(self, by_place: dict[int, Any]) -> Any:
         """The tangent of the returned value: as the value is, 0.0 where it depends on nothing, None where no float."""
         items = tuple(by_place.get(k, 0.0) if k in self.floats else None for k in range(len(self.types)))
-        return nested(items, self.nest) if items else None
+        return items if len(items) > 1 else items[0] if items else None
 
 
 def places(names: Sequence[str]) -> tuple[int, ...]:
@@ -68,9 +63,9 @@ def places(names: Sequence[str]) -> tuple[int, ...]:
 def seeds_by_position(results: ReturnedValues, seed: Any, seeded: Sequence[int]) -> dict[int, Any]:
     """The seed of the returned value by position: a tuple of the same length for a tuple, None where `seeded` lacks
     the position."""
-    if results.nest is None:
+    if len(results.types) < 2:
         return {0: seed}
-    seed = flat_seed(seed, results.nest)
+    seed = items_of_seed(seed, len(results.types))
     for place, item in enumerate(seed):
         if place not in seeded and item is not None:
             raise misfit(f"the seed of 'return' has a value at {place}, where the result is no float",
@@ -78,17 +73,16 @@ def seeds_by_position(results: ReturnedValues, seed: Any, seeded: Sequence[int])
     return {place: seed[place] for place in seeded}
 
 
-def flat_seed(seed: Any, structure: Structure) -> list[Any]:
-    """The parts of a seed in a row; None for a tuple in which nothing is a float."""
-    if structure is None:
-        return [seed]
-    if seed is not None and (not isinstance(seed, (tuple, list)) or len(seed) != len(structure)):
+def items_of_seed(seed: Any, count: int) -> Sequence[Any]:
+    """The seeds of several results; None for all where nothing is a float."""
+    if seed is None:
+        return (None,) * count
+    if not isinstance(seed, (tuple, list)) or len(seed) != count:
         kind = type(seed).__name__
         what = f"a {kind} of {len(seed)}" if isinstance(seed, (tuple, list)) else f"of type {kind}"
-        raise misfit(f"the seed of 'return' is {what}, the result is a tuple of {len(structure)}",
+        raise misfit(f"the seed of 'return' is {what}, the result is a tuple of {count}",
                      "give a tuple of the same length, with None for what is no float")
-    parts = seed if seed is not None else (None,) * len(structure)
-    return [part for item, inner in zip(parts, structure) for part in flat_seed(item, inner)]
+    return seed
 
 
 def number_seed(seed: Any, name: str = RETURN, is_complex: bool = False) -> float | complex:

@@ -15,12 +15,9 @@ from s2sad.read.ignored import ignored
 from s2sad.read.local_imports import local_imports
 from s2sad.read.live_module import live_meaning
 from s2sad.read.outside_values import AST, Array, Captured, UserFunctionValue, NotConstant, Number, Record
-from s2sad.read.void_returns import void_returns
 from s2sad.read.desugar import desugar
 from s2sad.read.resolve import Resolved, resolve
 from s2sad.read.shape_assignment import shape_assignment
-from s2sad.read.named_lists import list_aliases, list_returns
-from s2sad.read.single_tuples import single_tuples
 from s2sad.read.unique_names import unique_names
 from s2sad.live_objects.registry import GIVEN, RegisteredDerivative
 
@@ -59,9 +56,7 @@ class Linker:
         kernels = {}
         for key, found in self.found.items():
             kernels[names[key].partition(".")[2]] = _kernel(names[key].partition(".")[2], found, names, self.identify)
-        kernels = {n: replace(k, tree=_with_tuples(k.tree, kernels)) for n, k in kernels.items()}
         title = names[self.identify(entry)].partition(".")[2]
-        kernels = single_tuples(void_returns(kernels), [title])
         values = {names[key].partition(".")[2]: m for key, m in self.outside.values() if not isinstance(m,
                                                                                                         UserFunctionValue)}
         constants = {n: m.value for n, m in values.items() if isinstance(m, Number)}
@@ -86,7 +81,7 @@ class Linker:
               ) -> None:
         captured = _called_from(unique_names(captured_of(function.handle)), caller, call)
         captured = shape_assignment(local_imports(captured))
-        captured = replace(captured, tree=list_returns(desugar(captured.tree)))
+        captured = replace(captured, tree=desugar(captured.tree))
         report = Report(captured.source)
         self.reports.append(report)
         is_residual = hasattr(function.handle, "captured")
@@ -97,7 +92,6 @@ class Linker:
             resolved = unread(captured, own)
         else:
             supported_subset.check(captured.tree, report)
-            list_aliases(captured.tree, report)
             if supported_subset.opaque(captured.tree) and not isinstance(captured.tree, tree.FunctionDef):
                 return
             resolved = resolve(captured, report, self.identify)
@@ -165,26 +159,6 @@ def _is_of_library(function: UserFunctionValue) -> bool:
     file = getattr(getattr(function.handle, "__code__", None), "co_filename", "")
     own = file.startswith(_PYTHON) and not any(word in file for word in _INSTALLED)
     return own or function.path.partition(".")[0] == "scipy"
-
-
-def _with_tuples(definition: AST, kernels: dict[str, Kernel]) -> AST:
-    """The definition with the tuples that calls leave to defaults written out: `f(x)` is `f(x, w=(1.0, 2.0))`."""
-    def change(node: AST) -> AST | None:
-        if not isinstance(node, tree.Call):
-            return None
-        callee = kernels.get((tree.call_name(node) or "").removeprefix("user."))
-        if callee is None:
-            return None
-        given = {*callee.parameters[:len(node.args)], *(k.arg for k in node.keywords)}
-        added = [tree.keyword(p, tree.literal(d)) for p, d in callee.defaults.items()
-                 if isinstance(d, tuple) and p not in given]
-        if not added:
-            return None
-        args = [tree.rebuild(a, change) for a in node.args]
-        return tree.at(tree.Call(node.func, args, [*(tree.rebuild(k, change) for k in node.keywords), *added]), node)
-    if not any(isinstance(d, tuple) for k in kernels.values() for d in k.defaults.values()):
-        return definition
-    return tree.rebuild(definition, change)
 
 
 def _called_from(captured: Captured, caller: Source | None, call: AST | None) -> Captured:

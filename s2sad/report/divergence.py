@@ -18,10 +18,10 @@ from s2sad.emit.dialect import in_dialect
 from s2sad.emit.module import module_text
 from s2sad.emit.origins import text_of
 from s2sad.emit.primal import kernels_called, primal_functions
-from s2sad.evaluate.argument_binding import result_structure
+from s2sad.evaluate.argument_binding import result_count
 from s2sad.program import Generated, Program, Request
 from s2sad.report.differences import differences
-from s2sad.interface.selection import RETURN, flat_seed
+from s2sad.interface.selection import RETURN, items_of_seed
 from s2sad.blocks import with_blocks
 from s2sad.tree import (
     AST, Assign, AugAssign, Expr, FunctionDef, Name, Return, Subscript, call, const, copy, index, indices, is_comment,
@@ -234,7 +234,8 @@ def _arguments(made: Generated, values: Mapping[str, Any], shadows: Mapping[str,
                              if isinstance(value, np.ndarray) else _number(value)(shadow or 0.0))
         else:
             program = made.facts["units"].program
-            row = flat_seed(seeds.get(RETURN), result_structure(program.entry, program))
+            count, seed = result_count(program.entry, program), seeds.get(RETURN)
+            row = [seed] if count < 2 else items_of_seed(seed, count)
             arguments.append(row[int(parameter.primal.split()[1])])
     return arguments
 

@@ -13,14 +13,12 @@ chained comparison is evaluated only where Python does.
 """
 from __future__ import annotations
 
-from s2sad.evaluate.argument_binding import bound_arguments, result_structure, user_call
+from s2sad.evaluate.argument_binding import bound_arguments, user_call
 from s2sad.evaluate.mutating_calls import changed, stored_out
 from s2sad.evaluate.scope import KernelScope, atomic
-from s2sad.program import leaves, nested
 from s2sad.tree import (
-    AST, And, Attribute, BoolOp, Call, Compare, Constant, If, IfExp, Name, Not, Slice, Starred, Subscript, Tuple,
-    USub, UnaryOp, assign, children, const, copy, dump, expr, index, indices, keyword, name, names, rebuild, tuple_of,
-    walk,
+    AST, And, Attribute, BoolOp, Call, Compare, Constant, If, IfExp, Name, Not, Slice, Subscript, USub, UnaryOp,
+    assign, children, const, copy, dump, expr, index, indices, keyword, name, names, rebuild, walk,
 )
 
 
@@ -100,15 +98,9 @@ def _called(node: Call, scope: KernelScope) -> tuple[list[AST], AST]:
     kernel = user_call(node)
     assert kernel is not None
     before, bound = bound_call(node, scope)
-    structure = result_structure(kernel, scope.program)
-    count = len(leaves(structure))
-    targets = [scope.fresh(f"{kernel}_value" if count == 1 else f"{kernel}_{k}") for k in range(count)]
-    scope.memory.bind(targets, bound)
-    results = [name(t) for t in targets]
-    if count == 1:
-        return [*before, assign(results[0], bound)], results[0]
-    value = nested(results, structure, lambda items: tuple_of(*items))
-    return [*before, assign(tuple_of(*results), bound)], _like(node, value)
+    target = scope.fresh(f"{kernel}_value")
+    scope.memory.bind([target], bound)
+    return [*before, assign(target, bound)], name(target)
 
 
 def _fills(node: AST) -> bool:
@@ -175,22 +167,7 @@ def replace_operands(node: AST, old: list[AST], new: list[AST]) -> AST:
 def _operands(node: AST, scope: KernelScope) -> tuple[list[AST], AST]:
     old = operands(node)
     before, new = hoist_all(old, scope)
-    if isinstance(node, Subscript) and isinstance(new[0], Tuple) and not isinstance(old[0], Tuple):
-        return before, _picked(node, new[0], scope)
-    for was, now in zip(old, new):
-        if isinstance(now, Tuple) and not isinstance(was, (Tuple, Starred)):
-            scope.refuse(was, "several results where one value is needed", help="unpack them: a, b = f(...)")
     return before, replace_operands(node, old, new)
-
-
-def _picked(node: Subscript, results: Tuple, scope: KernelScope) -> AST:
-    """`f(x)[0]` of a function with several results."""
-    position = constant_index(node)
-    if position is None or not -len(results.elts) <= position < len(results.elts):
-        scope.refuse(node, "several results are indexed by something other than a constant in range",
-                     help="unpack them: a, b = f(...)")
-        return results.elts[0]
-    return results.elts[position]
 
 
 def constant_index(node: Subscript) -> int | None:

@@ -7,13 +7,12 @@
 """
 from __future__ import annotations
 
-from s2sad.evaluate.argument_binding import result_count, result_structure, user_call
+from s2sad.evaluate.argument_binding import result_count, user_call
 from s2sad.evaluate.expressions.hoist import bound_call, hoist, hoist_all, impure, into, operands, replace_operands
 from s2sad.evaluate.effects import STABLE
 from s2sad.evaluate.scope import KernelScope, atomic
-from s2sad.program import leaves, nested
 from s2sad.tree import (
-    AST, Attribute, Constant, If, IfExp, List, Name, Starred, Subscript, Tuple, assign, const, copy, index,
+    AST, Attribute, Constant, List, Name, Subscript, Tuple, assign, const, copy, index,
     name, names, stored_names, tuple_of,
 )
 
@@ -84,13 +83,6 @@ def _stored(target: Subscript, value: AST, scope: KernelScope) -> list[AST]:
 
 def _unpacked(target: AST, value: AST, scope: KernelScope) -> list[AST]:
     statements: list[AST] = []
-    if any(isinstance(t, Starred) for t in target.elts):
-        scope.refuse(target, "a starred target", help="name every item")
-        return []
-    if isinstance(value, IfExp):
-        before, test = hoist(value.test, scope)
-        arms = _unpacked(target, value.body, scope), _unpacked(copy(target), value.orelse, scope)
-        return [*before, If(test, *arms)]
     called = user_call(value)
     if called is not None and result_count(called, scope.program) > 1:
         return _results(target, value, scope)
@@ -116,16 +108,10 @@ def _results(target: AST, value: AST, scope: KernelScope) -> list[AST]:
     kernel = user_call(value)
     assert kernel is not None
     before, bound = bound_call(value, scope)
-    structure = result_structure(kernel, scope.program) or ()
-    if len(structure) != len(target.elts):
-        scope.refuse(value, f"{kernel} returns {len(structure)} values, here are {len(target.elts)} names",
-                     code="S203")
+    count = result_count(kernel, scope.program)
+    if count != len(target.elts):
+        scope.refuse(value, f"{kernel} returns {count} values, here are {len(target.elts)} names", code="S203")
         return []
-    if any(part is not None for part in structure):
-        names_of = [scope.fresh(f"{kernel}_{k}") for k in range(len(leaves(structure)))]
-        scope.memory.bind(names_of, bound)
-        items = nested(map(name, names_of), structure, lambda parts: tuple_of(*parts))
-        return [*before, assign(tuple_of(*map(name, names_of)), bound), *_parallel(_pairs(target, items, scope), scope)]
     direct = all(isinstance(t, Name) for t in target.elts) and len({t.id for t in target.elts}) == len(target.elts)
     if direct:
         scope.memory.bind([t.id for t in target.elts], bound)
@@ -141,7 +127,7 @@ def _pairs(target: AST, value: AST, scope: KernelScope) -> list[Pair]:
     if not isinstance(target, (Tuple, List)):
         return [(target, value)]
     if isinstance(value, (Tuple, List)):
-        if len(value.elts) != len(target.elts) or any(isinstance(v, Starred) for v in value.elts):
+        if len(value.elts) != len(target.elts):
             scope.refuse(target, f"{len(target.elts)} targets for {len(value.elts)} values", code="S203")
             return []
         return [pair for t, v in zip(target.elts, value.elts) for pair in _pairs(t, v, scope)]

@@ -70,7 +70,7 @@ class WhileCursor:
 
     def next(self) -> tuple[Value, WhileCursor] | None:
         if len(self.ev.guarded) - self.depth > _MOST_EXITS:
-            raise self.ev.refusal(self.s, "only the run knows when this loop ends, of which something must be known "
+            raise self.ev.unknown(self.s, "only the run knows when this loop ends, of which something must be known "
                                   "before it", help="let it run over arrays and numbers")
         test = self.ev.test_of(self.s.test, self.f)
         if isinstance(test, Data):
