@@ -25,7 +25,6 @@ from s2sad.read.outside_values import (
     StringValue, Unusable, dotted, library_value,
 )
 from s2sad.read.file_definitions import dropped_decorator
-from s2sad.read.desugar import is_repeatable
 from s2sad.read.outside_names import ITERATORS, Identify, OutsideNames
 from s2sad.tree import FunctionDef
 
@@ -157,7 +156,7 @@ class _Resolver(OutsideNames):
         return tree.at(tree.call(f"numpy.{type(value).__name__}", tree.const(float(value))), node)
 
     def _call(self, node: tree.Call) -> AST | None:
-        if self.library(node.func) in ("math.modf", "numpy.modf") and len(node.args) == 1 and is_repeatable(
+        if self.library(node.func) in ("math.modf", "numpy.modf") and len(node.args) == 1 and _is_repeatable(
                 node.args[0]):
             return self._split(node)
         if len(node.args) == 1 and node.keywords and self._replaces(node.func):
@@ -277,3 +276,9 @@ def _member(meaning: ModuleValue | Library, name: str) -> Meaning | None:
     path = f"{meaning.path}.{name}"
     value = library_value(meaning.path)
     return Library(path) if value is None or hasattr(value, name) else None
+
+
+def _is_repeatable(node: AST) -> bool:
+    """Whether an expression may be computed several times."""
+    kinds = (tree.Constant, tree.Name, tree.Subscript, tree.Attribute, tree.Tuple, tree.BinOp, tree.UnaryOp, tree.Slice)
+    return all(isinstance(n, kinds) or not isinstance(n, tree.expr) for n in tree.walk(node))

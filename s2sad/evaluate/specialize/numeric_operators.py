@@ -81,7 +81,9 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
     if isinstance(left, Data) and isinstance(right, Data) and left.is_known and right.is_known:
         known = computed(OPERATORS[type(op)][0], left.known, right.known)
         if known is not UNKNOWN:
-            if left.is_literal and right.is_literal or isinstance(known, (str, tuple)):
+            whole = isinstance(known, float) and isinstance(left.known, int) and isinstance(right.known, int)
+            if left.is_literal and right.is_literal or isinstance(known, (str, tuple)) or (
+                    whole and isinstance(op, tree.Pow)):        # integers of compiled code have no such power
                 return Data(tree.at(tree.const(known), node), known)
             return Data(tree.at(tree.BinOp(left.node, op, right.node), node), known, demands)
     for value, operand in ((left, "left"), (right, "right")):
