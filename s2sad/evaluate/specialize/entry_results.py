@@ -34,7 +34,7 @@ def return_from_entry(ev: Evaluator, s: AST, value: Value, f: Frame) -> None:
     elif isinstance(value, Data):
         node = nodes[0]
     else:
-        node = nodes[0] if len(nodes) == 1 and not isinstance(value, TupleValue) else tree.tuple_of(*nodes)
+        node = nodes[0] if len(nodes) == 1 else tree.tuple_of(*nodes)
     ev.emit(tree.Return(node), s)
     ev.returned.append((s, value, ev.heap.fork()))
 
@@ -59,13 +59,14 @@ def _leaves(ev: Evaluator, value: Value, node: AST, depth: int = 0) -> Iterator[
 
 
 def result_structure_of(ev: Evaluator) -> PyTree | None:
-    """What structure is returned: the same at each return; None for arrays, numbers and tuples of these."""
+    """What structure is returned: the same at each return; None for arrays, numbers and tuples of several."""
     forms = [_form(ev, objects, value) for _, value, objects in ev.returned]
     if any(f != forms[0] for f in forms[1:]):
         raise ev.refusal(ev.returned[-1][0], "returns that are structures of different makes",
                          help="return the same structure on every path")
     found = forms[0] if forms else None
-    plain = isinstance(found, PyTree) and found.kind == "tuple" and all(i is UNKNOWN for i in found.items)
+    plain = isinstance(found, PyTree) and found.kind == "tuple" and len(found.items) != 1 and all(
+        i is UNKNOWN for i in found.items)
     return found if isinstance(found, PyTree) and not plain else None
 
 
