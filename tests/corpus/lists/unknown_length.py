@@ -441,11 +441,11 @@ def cases():
         yield Case(kernel, (X,), "x")
     for kernel in (parts, truth_of_lists, arrays_of_a_list, row_with_a_name, row_that_is_copied):
         yield Case(kernel, (X,), "x")
-    for kernel in (row_that_is_written, row_many_times):
-        yield Case(kernel, (X,), "x", refused="S201 at `h.append(row)`: a list holds another list that is written, not "
-                   "a copy of it: append a copy: .append(list(w))")
-    yield Case(row_in_a_comprehension, (X,), "x", refused="S201 at `[row for k in range(len(x))]`: a list holds "
-               "another list that is written, not a copy of it: append a copy: .append(list(w))")
+    yield Case(row_many_times, (X,), "x", refused="S201 at `h.append(row)`: a list holds another list that is written, "
+               "not a copy of it: append a copy: .append(list(w))")
+    for kernel, place in ((row_that_is_written, "h.append(row)"), (row_in_a_comprehension, "row")):
+        yield Case(kernel, (X,), "x", refused=f"S201 at `{place}`: a list that has a name is put into one of which "
+                   "only the run knows how long it becomes, and one of them may be written: put a copy there: list(w)")
     yield Case(grows_while_gone_through, (X,), "x", refused="S201 at `us`: a list that grows while it is gone through: "
                "write a while loop: while k < len(us)")
     yield Case(part_that_changes, (X,), "x", refused="S201 at `h[:-1]`: a part of a list: allocate an array before and "
