@@ -17,7 +17,7 @@ from s2sad.analyze.program_structure import StatementPlace, ProgramStructure, he
 from s2sad.analyze.trip_counts import invariant_trip_counts
 from s2sad.analyze.reverse_values import ReverseValues
 from s2sad.normalize.loops.hoist_allocations import is_allocation
-from s2sad.tree import AST, Assign, AugAssign, Call, For, While, call_name, dump, walk
+from s2sad.tree import AST, Assign, AugAssign, Call, For, While, call_name, dump, user_call, walk
 
 
 def snapshot_arrays(loop: For, problem: RecordingProblem) -> list[str] | None:
@@ -69,8 +69,8 @@ def _private(array: str, loop: For, inner: list[StatementPlace], problem: Record
         return True
     for place in inner:
         for target in problem.writes(place.statement):
-            if base_name(target) == array and isinstance(place.statement, Assign) and _covers(
-                    target, place, loop, problem):
+            if base_name(target) == array and isinstance(place.statement, Assign) and not user_call(
+                    place.statement.value) and _covers(target, place, loop, problem):
                 return all(p.order > place.order and _after(p, x, place, target, loop) for p, x in inside)
     return False
 

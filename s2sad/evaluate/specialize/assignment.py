@@ -279,9 +279,10 @@ def _stores_otherwise(ev: Evaluator, base: Value, key: Any, s: AST, f: Frame) ->
     return not isinstance(key, str) or found is not None and isinstance(found[1], LibraryValue)
 
 
-def _extended(ev: Evaluator, old: Data, value: Value, s: Any, f: Frame) -> None:
-    """`old += value` of a residual list, which stays the one that it is."""
-    if not isinstance(s.op, tree.Add) or isinstance(value, Data):
+@operation
+def extend_residual(ev: Evaluator, old: Data, value: Value, s: Any, f: Frame) -> None:
+    """What `old += value` and `old.extend(value)` leave of a residual list, which stays the one that it is."""
+    if isinstance(value, Data):
         raise ev.refusal(s, "a list whose length is not known before the run is changed in place",
                          help="append to it item by item")
     for item in ev.items_of(value, s, f):
@@ -306,8 +307,8 @@ def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: 
         if held.kind == "record":
             method = ev.method_named(held.made, f"__i{OPERATORS[type(s.op)][1]}__", old, s, f)
             return ev.binary(s.op, old, value, s, f) if method is None else ev.call(method, [value], {}, s, f)
-    if isinstance(old, Data) and old.is_list:
-        return _extended(ev, old, value, s, f)
+    if isinstance(old, Data) and old.is_list and isinstance(s.op, tree.Add):
+        return ev.extend_residual(old, value, s, f)
     if not isinstance(old, Data) or old.is_known and old.is_literal or not isinstance(
             value, (Data, TupleValue)) and not _is_list(ev, value):
         return ev.binary(s.op, old, value, s, f)

@@ -67,6 +67,9 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
         return _one_of(ev, function.number, function.functions, args, keywords, node, f)
     if isinstance(function, MethodValue):
         if isinstance(function.base, Data) and not isinstance(function.base.known, str):
+            if function.base.is_list and function.name == "extend" and len(args) == 1:
+                ev.extend_residual(function.base, args[0], node, f)
+                return NONE
             args, keywords = with_known_options(ev, f"numpy.{function.name}", args, keywords, node, is_method=True)
             if function.base.is_list:
                 args = [Data(ev.spelled_item(a, node, f)) if isinstance(a, (Reference, TupleValue)) else a

@@ -37,6 +37,7 @@ class Operations:
     dict_items: Callable[..., Any]
     each_item: Callable[..., Any]
     enumeration: Callable[..., Any]
+    extend_residual: Callable[..., Any]
     file_class: Callable[..., Any]
     file_default: Callable[..., Any]
     file_function: Callable[..., Any]

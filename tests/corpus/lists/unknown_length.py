@@ -347,6 +347,16 @@ def truth_of_lists(x):
     return out[-1] * out[0] if out else 0.0
 
 
+def extended(x):
+    h = []
+    v = x[0]
+    while v < 60.0:
+        v = v * 1.1
+        h.extend([v, v * x[1]])
+        h += [v * x[2]]
+    return sum(h) * h[-1]
+
+
 def grows_while_gone_through(x):
     us = [x[0]]
     s = 0.0
@@ -439,7 +449,7 @@ def cases():
                    one_array_many_times, constants_and_numbers, integers, bisection, rows_of_numbers,
                    backwards):
         yield Case(kernel, (X,), "x")
-    for kernel in (parts, truth_of_lists, arrays_of_a_list, row_with_a_name, row_that_is_copied):
+    for kernel in (parts, truth_of_lists, extended, arrays_of_a_list, row_with_a_name, row_that_is_copied):
         yield Case(kernel, (X,), "x")
     yield Case(row_many_times, (X,), "x", refused="S201 at `h.append(row)`: a list holds another list that is written, "
                "not a copy of it: append a copy: .append(list(w))")
