@@ -56,7 +56,7 @@ class _Structured:
         self.functions: dict[str, FunctionDef] = {}
 
     def watch(self, stage: str, function: FunctionDef) -> None:
-        if stage == "undecided":     # what `inline` leaves, behind its check
+        if stage == "inline":
             shown = copy(function)
             shown.body = _readable(shown.body)
             self.functions.setdefault(function.name, shown)

@@ -8,7 +8,8 @@ import pytest
 
 from benchmarks.calls import seed_like
 from benchmarks.kernels.cases import CASES, LOOPS, Case
-from s2sad import S2sadError, differentiate, gradient, pipeline, read
+from s2sad import S2sadError, differentiate, gradient, pipeline
+from s2sad.dispatch import compiler
 from s2sad.emit import layout
 from s2sad.infer.types import of_value
 from s2sad.program import Generated, Request
@@ -88,7 +89,7 @@ VECTORS = (three_points, wrapped_to_the_last, two_tests)
 
 
 def texts(kernel, arguments, wrt, of) -> list[Generated]:
-    program, types = read.load(kernel), tuple(map(of_value, arguments))
+    program, types = compiler.program(kernel), tuple(map(of_value, arguments))
     return [pipeline.derive(program, Request("adjoint", types, wrt, of, "numba", level)) for level in ("plain", "fast")]
 
 
