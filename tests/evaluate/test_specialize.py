@@ -44,9 +44,42 @@ def counting_behind_a_cache(x):
     return f(0) + f(0) + calls[0] * x[1]
 
 
-def test_a_function_behind_a_cache_does_nothing_else():
-    with pytest.raises(S2sadError, match="a function behind a cache gives one object for all calls"):
-        gradient(counting_behind_a_cache)(np.array([0.3, 0.7]))
+def bound_anew_behind_a_cache(x):
+    c = x[0]
+
+    @functools.cache
+    def f(k):
+        return c * k
+    first = f(2)
+    c = x[1] * 3.0
+    return first + f(2)
+
+
+def element_behind_a_cache(x):
+    held = [x[0]]
+
+    @functools.cache
+    def f(k):
+        return held[0] * k
+    first = f(2)
+    held[0] = 7.0
+    return first + f(2)
+
+
+@functools.cache
+def listed(v):
+    return [v]
+
+
+def list_behind_a_cache(x):
+    return listed(x[0])[0] * x[1]
+
+
+@pytest.mark.parametrize("kernel", [counting_behind_a_cache, bound_anew_behind_a_cache, element_behind_a_cache,
+                                    list_behind_a_cache])
+def test_a_function_behind_a_cache_gives_the_same_for_the_same_numbers(kernel):
+    with pytest.raises(S2sadError, match="a function behind a cache, which is more than one of numbers"):
+        gradient(kernel)(np.array([0.3, 0.7]))
 
 
 @pytest.mark.parametrize("kernel", [twice, once_in_each_round])

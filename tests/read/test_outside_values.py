@@ -84,7 +84,7 @@ UNREAD = "'{}' is not a function that s2sad can read"
 @pytest.mark.parametrize(("kernel", "message", "help"), [
     (with_erfcx, UNREAD.format("erfcx"), 's2sad.rule("scipy.special.erfcx(x)", x=...)'),
     (with_lu, 'no derivative rule for scipy.linalg.lu', 'write factors = lu_factor(a) and lu_solve(factors, b)'),
-    (with_a_cache, "a function behind a cache gives one object for all calls, which is no number",
+    (with_a_cache, "a function behind a cache, which is more than one of numbers, or reads what may change",
      "inner = f.__wrapped__"),
 ], ids=lambda v: getattr(v, "__name__", None))
 def test_what_is_said_where_the_user_wrote_it(kernel, message, help):

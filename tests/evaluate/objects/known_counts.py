@@ -97,9 +97,9 @@ def squared(v):
 
 def behind_caches(x):
     @functools.cache
-    def cubed(k):
-        return x[k] ** 3
-    return sum(binomial(5, k) * x[k] * 0.3 ** k for k in range(6)) + squared(x[0]) * squared(x[1]) + cubed(2) + cubed(2)
+    def cubed(v):
+        return v * squared(v) + np.sin(v)
+    return sum(binomial(5, k) * x[k] * 0.3 ** k for k in range(6)) + squared(x[0]) * squared(x[1]) + cubed(x[2])
 
 
 def cases():

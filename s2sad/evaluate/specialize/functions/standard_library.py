@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -15,10 +15,12 @@ from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Options, function
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    LARGEST_SEQUENCE, Data, FunctionValue, LibraryValue, Reference, TupleValue, Value,
+    LARGEST_SEQUENCE, Data, FunctionValue, LibraryValue, Reference, ScopeValue, TupleValue, Value,
 )
+from s2sad.read.outside_values import LibraryScope
 from s2sad.tree import AST
 
+_SCOPES = ("FunctionDef", "Lambda", "ClassDef", "ListComp", "SetComp", "DictComp", "GeneratorExp")
 _LONGEST_ROW = 64       # values of one combination
 
 
@@ -42,13 +44,40 @@ def _partial(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -
 
 @function("functools.cached")
 def _cached(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
-    """What a function behind a cache gives, of which there is one for all calls: a number, and nothing else is done."""
+    """What a function behind a cache gives, called as any other: a number of numbers, and it does nothing else."""
+    inner, *given = args
     before = ev.snapshot()
-    found = ev.call(args[0], args[1:], options, node, f)
-    if not (isinstance(found, Data) and (found.is_known or found.shape == ())) or ev.has_changed(before):
-        raise ev.refusal(node, "a function behind a cache gives one object for all calls, which is no number",
+    closed = isinstance(inner, FunctionValue) and _is_closed(ev, inner, {inner.key})
+    ev.restore(before)
+    found = ev.call(inner, given, options, node, f) if closed else None
+    if not all(isinstance(v, Data) and (v.is_known or v.shape == ()) for v in (found, *given, *options.values())) or (
+            ev.has_changed(before)):
+        raise ev.refusal(node, "a function behind a cache, which is more than one of numbers, or reads what may change",
                          help="call the function inside: give it a name, as in inner = f.__wrapped__")
+    assert found is not None
     return found
+
+
+def _is_closed(ev: Evaluator, function: FunctionValue, seen: set[Hashable]) -> bool:
+    """Whether a function reads nothing but its arguments, functions and libraries: the same for the same arguments."""
+    definition = function.captured.tree
+    nodes = list(tree.walk(definition.body))
+    if function.defaults or function.first or any(type(n).__name__ in _SCOPES for n in nodes):
+        return False
+    frame = ev.frame_of(function, definition)
+    for n in nodes:
+        if not isinstance(n, tree.Name) or n.id in frame.local:
+            continue
+        value = ev.value(n, frame)
+        value = value.first[0] if isinstance(value, LibraryValue) and value.path == "functools.cached" else value
+        if isinstance(value, FunctionValue) and value.key not in seen:
+            seen.add(value.key)
+            if not _is_closed(ev, value, seen):
+                return False
+        elif not isinstance(value, (FunctionValue, LibraryValue)) and not (
+                isinstance(value, ScopeValue) and isinstance(value.scope, LibraryScope)):
+            return False
+    return True
 
 
 @function("functools.wraps")
