@@ -85,9 +85,10 @@ def _add_options(parser: argparse.ArgumentParser, command: str) -> None:
                         "(numba); each text runs under both (default: %(default)s)")
     parser.add_argument("--level", choices=("plain", "fast"), default="plain",
                         help="statement by statement, or what runs (default: plain)")
-    parser.add_argument("--checkpoint", metavar="K=20", help='loops that keep snapshots in place of a tape, and how '
-                        'many: "k=20, advance.k=10, line 14=20"')
-    parser.set_defaults(standalone=False)
+    parser.set_defaults(standalone=False, checkpoint=None)
+    if command in ("adjoint", "explain", "stages"):
+        parser.add_argument("--checkpoint", metavar="K=20", help='loops that keep snapshots in place of a tape, and '
+                            'how many: "k=20, advance.k=10, line 14=20"')
     if command in ("adjoint", "tangent", "stages"):
         parser.add_argument("--standalone", action="store_true", help="write a file that needs NumPy alone")
     if command == "explain":

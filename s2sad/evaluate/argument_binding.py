@@ -1,11 +1,17 @@
-"""Calls of the user's functions: arguments bound to positions, and how many results a function returns."""
+"""Calls: arguments bound to positions and parameters, and how many results a function returns."""
 from __future__ import annotations
 
+import inspect
 from collections.abc import Mapping
+from functools import cache
 
 from s2sad.evaluate.scope import KernelScope
 from s2sad.program import Kernel, Program
+from s2sad.read.outside_values import library_value
 from s2sad.tree import AST, Call, Constant, IfExp, Return, Tuple, literal, user_call, walk_statements
+
+AXES = frozenset(("axis", "axis1", "axis2", "axes", "source", "destination"))
+OPTIONS = AXES | {"keepdims", "ord", "norm", "mode", "pad_width", "reps", "side", "indexing"}     # of NumPy's functions
 
 
 def bound_arguments(node: Call, scope: KernelScope) -> list[AST]:
@@ -60,3 +66,15 @@ def _count(value: AST, found: Mapping[str, int]) -> int:
     if isinstance(value, IfExp):
         return max(_count(value.body, found), _count(value.orelse, found))
     return found.get(user_call(value) or "", 1)
+
+
+@cache
+def parameters_of_library(path: str) -> tuple[str, ...]:
+    """The parameters of a function of NumPy's that arguments by place stand for."""
+    if not path.startswith("numpy."):
+        return ()
+    try:
+        found = inspect.signature(library_value(path)).parameters.values()
+    except (TypeError, ValueError):
+        return ()
+    return tuple(p.name for p in found if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD))

@@ -9,13 +9,10 @@ evaluator, which leaves a program of arrays and numbers.
 """
 from __future__ import annotations
 
-import inspect
 from collections.abc import Iterator
-from functools import cache
 
-from s2sad.evaluate.argument_binding import result_count
+from s2sad.evaluate.argument_binding import OPTIONS, parameters_of_library, result_count
 from s2sad.program import Program
-from s2sad.read.outside_values import library_value
 from s2sad.tree import (
     AST, Assign, Attribute, Call, Compare, Dict, Expr, For, FunctionDef, GeneratorExp, In, Is, IsNot, List, ListComp,
     Name, NotIn, Return, Starred, Store, Subscript, Tuple, call_name, user_call, walk,
@@ -23,8 +20,6 @@ from s2sad.tree import (
 
 _ASKED = ("builtins.isinstance", "numpy.isscalar", "numpy.ndim")
 _SLICES = ("builtins.slice", "numpy.s_", "numpy.index_exp")
-AXES = frozenset(("axis", "axis1", "axis2", "axes", "source", "destination"))
-OPTIONS = AXES | {"keepdims", "ord", "norm", "mode", "pad_width", "reps", "side", "indexing"}     # of NumPy's functions
 
 
 def needs_evaluation(program: Program) -> bool:
@@ -146,15 +141,3 @@ def arguments_by_name(node: Call) -> Iterator[tuple[str, AST]]:
         f"numpy.{node.func.attr}")[1:] if isinstance(node.func, Attribute) else ()
     yield from zip(places, node.args)
     yield from ((k.arg, k.value) for k in node.keywords if k.arg)
-
-
-@cache
-def parameters_of_library(path: str) -> tuple[str, ...]:
-    """The parameters of a function of NumPy's that arguments by place stand for."""
-    if not path.startswith("numpy."):
-        return ()
-    try:
-        found = inspect.signature(library_value(path)).parameters.values()
-    except (TypeError, ValueError):
-        return ()
-    return tuple(p.name for p in found if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD))

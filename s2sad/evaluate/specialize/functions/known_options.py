@@ -5,25 +5,20 @@
 """
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cache
 
+from s2sad.evaluate.argument_binding import AXES, OPTIONS, parameters_of_library
 from s2sad.evaluate.specialize.evaluator import Evaluator, is_spelled
 from s2sad.evaluate.specialize.values import Data, TupleValue, Value, constant
-from s2sad.read.outside_values import library_value
 from s2sad.tree import AST, Call
-
-_AXES = ("axis", "axis1", "axis2", "axes", "source", "destination")
-_OPTIONS = frozenset({*_AXES, "keepdims", "ord", "norm", "mode", "pad_width", "reps", "side", "indexing"})
 
 
 def with_known_options(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapping[str, Value], node: AST,
                        is_method: bool = False) -> tuple[list[Value], dict[str, Value]]:
     """The arguments with options as the constants that they are; raises Unevaluated for an axis that is not known."""
-    names = _parameters(path)[is_method:]
-    if not path.startswith("numpy.") or not _OPTIONS & {*names, *keywords}:
+    names = parameters_of_library(path)[is_method:]
+    if not path.startswith("numpy.") or not OPTIONS & {*names, *keywords}:
         return list(args), dict(keywords)
     places = node.args if isinstance(node, Call) and len(node.args) == len(args) else [node] * len(args)
     named = {k.arg: k.value for k in node.keywords} if isinstance(node, Call) else {}
@@ -32,7 +27,7 @@ def with_known_options(ev: Evaluator, path: str, args: Sequence[Value], keywords
 
 
 def _written(ev: Evaluator, path: str, option: str, value: Value, place: AST) -> Value:
-    if option not in _OPTIONS:
+    if option not in OPTIONS:
         return value
     if isinstance(value, TupleValue):
         return replace(value, items=tuple(_written(ev, path, option, v, place) for v in value.items))
@@ -40,20 +35,8 @@ def _written(ev: Evaluator, path: str, option: str, value: Value, place: AST) ->
         return value
     if value.is_known:
         return constant(value.known) if is_spelled(value.known) else value
-    if option not in _AXES:
+    if option not in AXES:
         return value
     called = "axis" if option.startswith("axis") else "axes" if option == "axes" else f"{option} axes"
     raise ev.unknown(place, f"the {called} of {path} must be a number that is written in the kernel", value,
                      help="write it, or a name that is bound once, to a number: np.sum(x, axis=1)", code="S301")
-
-
-@cache
-def _parameters(path: str) -> tuple[str, ...]:
-    """The parameters of a function of NumPy's that arguments by place stand for."""
-    if not path.startswith("numpy."):
-        return ()
-    try:
-        found = inspect.signature(library_value(path)).parameters.values()
-    except (TypeError, ValueError):
-        return ()
-    return tuple(p.name for p in found if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD))
