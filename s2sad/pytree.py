@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.live_objects.code_text import is_generated
 from s2sad.live_objects.guards import ABSENT, class_attribute, taken
 from s2sad.infer.types import DTYPES, FLOAT, INT, Type, misfit_of, of_value
 
@@ -160,7 +161,7 @@ def record_fields(made: type) -> tuple[str, dict[str, Any]] | None:
     if taken(made, "own", "__dataclass_params__") is ABSENT or class_attribute(made, "__post_init__") is not ABSENT:
         return None
     constructor = taken(made, "own", "__init__")
-    if not isinstance(constructor, FunctionType) or taken(constructor, "code").co_filename != "<string>":
+    if not isinstance(constructor, FunctionType) or not is_generated(taken(constructor, "code")):
         return None     # one of the user's own
     taken(constructor, "attribute", "__defaults__")
     given = dataclasses.fields(made)  # pyright: ignore[reportArgumentType]

@@ -14,7 +14,6 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import json
-import linecache
 import os
 import platform
 import sys
@@ -33,6 +32,7 @@ from s2sad.program import EntrySummary, Generated, Kernel, Parameter, Request, S
 from s2sad.live_objects.registry import GIVEN
 from s2sad.run import store
 from s2sad.pytree import PyTree
+from s2sad.live_objects.code_text import text_of
 from s2sad.live_objects.unwrap import fingerprint
 
 T = TypeVar("T")
@@ -321,9 +321,7 @@ def _content(value: Any) -> str:
 
 def _of_code(code: CodeType) -> str:
     """What a code object does, where it stands, and the text around it, which generated files quote."""
-    path = code.co_filename
-    linecache.checkcache(path)
-    text = "" if path == "<string>" else "".join(linecache.getlines(path))
+    path, text = (code.co_filename, "") if code.co_filename == "<string>" else text_of(code)
     key = repr((fingerprint(code), path, code.co_firstlineno)) + text
     return hashlib.sha256(key.encode()).hexdigest()
 

@@ -10,14 +10,14 @@ written by its content has no source in another process: the text goes along.
 """
 from __future__ import annotations
 
-import linecache
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from functools import cached_property, reduce
-from types import CodeType, FunctionType
+from types import FunctionType
 from typing import Any
 
+from s2sad.live_objects.code_text import carry, codes, text_of
 from s2sad.live_objects.unwrap import partial_application, python_function
 
 
@@ -48,9 +48,7 @@ class Decorated(ABC):
 
 def rebuild_decorated(kind: type[Decorated], given: tuple[Any, ...], texts: dict[str, str]) -> Decorated:
     """A copy, in a process that may not have its source."""
-    for path, text in texts.items():
-        if not linecache.getlines(path):
-            linecache.cache[path] = len(text), None, text.splitlines(keepends=True), path
+    carry(texts)
     return kind(*given)
 
 
@@ -83,22 +81,22 @@ def _sources(function: Any) -> dict[str, str]:
             continue
         seen.add(id(plain))
         plain, bound = partial_application(plain)
-        if plain.__module__ != "__main__" and python_function(_lookup(*_name(plain))) is plain:
+        by_name = plain.__module__ != "__main__" and python_function(_lookup(*_name(plain))) is plain
+        if by_name and not _is_written_by_content(plain.__module__):
             continue
-        path = plain.__code__.co_filename
-        found[path] = "".join(linecache.getlines(path, plain.__globals__))
-        names = {name for code in _codes(plain.__code__) for name in code.co_names}
+        path, text = text_of(plain.__code__, plain.__globals__)
+        found[path] = text
+        names = {name for code in codes(plain.__code__) for name in code.co_names}
         reached = [*bound.values(), *(plain.__globals__[n] for n in names if n in plain.__globals__), *_contents(plain)]
         kinds = [v if isinstance(v, type) else type(v) for v in reached]
         left += [*reached, *(f for kind in kinds if kind.__module__ == "__main__" for f in vars(kind).values())]
     return {path: text for path, text in found.items() if text}
 
 
-def _codes(code: CodeType) -> Iterator[CodeType]:
-    yield code
-    for constant in code.co_consts:
-        if isinstance(constant, CodeType):
-            yield from _codes(constant)
+def _is_written_by_content(module: str) -> bool:
+    """Whether cloudpickle was told to write what a module, or a package around it, defines by its content."""
+    registry = getattr(sys.modules.get("cloudpickle"), "list_registry_pickle_by_value", set)()
+    return any(module == name or module.startswith(f"{name}.") for name in registry)
 
 
 def _contents(function: FunctionType) -> Iterator[Any]:

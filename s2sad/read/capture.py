@@ -5,25 +5,22 @@ compared with the function's own code, so a text that no longer belongs to the f
 """
 from __future__ import annotations
 
-import __future__
-
 import copy
 import functools
-import linecache
 import types
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
+from s2sad.live_objects.code_text import FUTURE, codes, text_of
 from s2sad.live_objects.guards import taken
 from s2sad.read.live_module import LiveScope, defaults_of
 from s2sad.read.marked_loops import unmarked
 from s2sad.read.outside_values import AST, Captured, kind_of
 from s2sad.live_objects.unwrap import fingerprint, partial_application, python_function
 
-_FUTURE = functools.reduce(int.__or__, (getattr(__future__, n).compiler_flag for n in __future__.all_feature_names))
 # line ends to str.splitlines, but not to Python: replaced by blanks as wide in UTF-8
 _ODD_LINE_ENDS = {**dict.fromkeys(map(ord, "\x0b\x0c\x1c\x1d\x1e"), " "), 0x85: "\xa0",
                   **dict.fromkeys((0x2028, 0x2029), "\u2003")}
@@ -47,12 +44,12 @@ def capture(value: Any) -> Captured:
     function, bound = partial_application(function)
     taken(function, "attribute", "__defaults__")
     code = taken(function, "code")
-    text = _text(function, code)
+    path, text = _text(function, code)
     try:
-        module, compiled = _compiled(text, code.co_filename, code.co_flags & _FUTURE)
+        module, compiled = _compiled(text, path, code.co_flags & FUTURE)
     except (SyntaxError, ValueError):
         raise S2sadError(_stale(code, None)) from None
-    source = source_of(code.co_filename, text)
+    source = source_of(path, text)
     if code.co_name == "<lambda>":
         made = _without(_of_lambda(code, module, compiled, source), bound, source)
         return Captured(name_of(function), made, source, LiveScope(function, bound), defaults_of(function))
@@ -89,12 +86,11 @@ def _without(definition: Any, bound: Mapping[str, Any], source: Source) -> Any:
 
 # -- the text -------------------------------------------------------------------------------------------------------
 
-def _text(function: types.FunctionType, code: types.CodeType) -> str:
-    path = code.co_filename
-    linecache.checkcache(path)
-    text = "".join(linecache.getlines(path, function.__globals__))
+def _text(function: types.FunctionType, code: types.CodeType) -> tuple[str, str]:
+    """The path of a function's text, and the text; raises S2sadError (S101)."""
+    path, text = text_of(code, function.__globals__)
     if text:
-        return text
+        return path, text
     if path.startswith("<"):
         raise S2sadError(_fileless(code))
     name = function.__name__
@@ -171,14 +167,8 @@ def _stale(code: types.CodeType, place: Span | None) -> Diagnostic:
 def _compiled(text: str, path: str, flags: int) -> tuple[tree.Module, tuple[types.CodeType, ...]]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return tree.parse(text), tuple(_codes(compile(text, path, "exec", flags, dont_inherit=True)))
-
-
-def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
-    for constant in code.co_consts:
-        if isinstance(constant, types.CodeType):
-            yield constant
-            yield from _codes(constant)
+        _, *inner = codes(compile(text, path, "exec", flags, dont_inherit=True))
+        return tree.parse(text), tuple(inner)
 
 
 def _first_line(node: AST) -> int:

@@ -24,6 +24,7 @@ import cloudpickle
 
 import s2sad
 from s2sad.infer.types import Type
+from s2sad.live_objects.code_text import carry
 from s2sad.pytree import PyTree
 from tests.ledger.identity import source_of
 
@@ -197,6 +198,7 @@ def unpickled(kernel: Kernel, texts: dict[str, str]) -> Any:
     for path, known in kernel.texts.items():
         text = texts[known]
         linecache.cache[path] = len(text), None, text.splitlines(keepends=True), path
+        carry({path: text})
     *asking, decorators = _Unpickler(io.BytesIO(kernel.pickled)).load()
     for function, names in decorators:
         function.__globals__.update(names)

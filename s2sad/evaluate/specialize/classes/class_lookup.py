@@ -13,6 +13,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.values import (
     ClassValue, Data, FunctionValue, LibraryValue, ObjectValue, Reference, TupleValue, Value,
 )
+from s2sad.live_objects.code_text import is_generated
 from s2sad.live_objects.guards import ABSENT, taken
 from s2sad.tree import AST
 
@@ -83,7 +84,7 @@ def _computes(found: Any) -> bool:
 def _is_generated(found: Any) -> bool:
     """Whether a function is one that dataclasses and named tuples make."""
     code = getattr(found, "__code__", None)
-    return code is None or code.co_filename.startswith("<string>") or "dataclasses" in code.co_filename
+    return code is None or is_generated(code) or "dataclasses" in code.co_filename
 
 
 def _descriptor(ev: Evaluator, owner: ClassValue, name: str, found: Any, node: AST, f: Frame) -> Value | None:
