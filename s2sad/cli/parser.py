@@ -86,7 +86,7 @@ def _add_options(parser: argparse.ArgumentParser, command: str) -> None:
     parser.add_argument("--level", choices=("plain", "fast"), default="plain",
                         help="statement by statement, or what runs (default: plain)")
     parser.set_defaults(standalone=False, checkpoint=None)
-    if command in ("adjoint", "explain", "stages"):
+    if command in ("adjoint", "explain", "stages", *RUNNING):
         parser.add_argument("--checkpoint", metavar="K=20", help='loops that keep snapshots in place of a tape, and '
                             'how many: "k=20, advance.k=10, line 14=20"')
     if command in ("adjoint", "tangent", "stages"):

@@ -127,7 +127,7 @@ def bench(f: Callable[..., Any], *args: Any, wrt: Wrt = None, of: str | Iterable
         carried = selection_of(f)
         differentiated = differentiate(f, wrt=wrt if wrt is not None else carried.wrt,
                                        of=of if of is not None else carried.of,
-                                       engine=measured.engine)
+                                       engine=measured.engine, checkpoint=carried.checkpoint)
         return _Measurement(measured, differentiated, args, budget, where).made()
 
 
@@ -253,7 +253,8 @@ class _Measurement:
     def _memory(self) -> list[str]:
         """The bytes of the tape, of arguments and of shadows."""
         measured = self.measured
-        request = Request("adjoint", measured.types, measured.wrt, measured.of, measured.engine)
+        request = Request("adjoint", measured.types, measured.wrt, measured.of, measured.engine,
+                          checkpoint=measured.checkpoint)
         explanation: Explanation = explain_program(measured.state.program, request, measured.values)
         arrays = {n: v.nbytes for n, v in measured.values.items() if isinstance(v, np.ndarray)}
         shadows = sum(arrays.get(n, 0) for n in self.reverse.rv.shadows)

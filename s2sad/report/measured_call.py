@@ -24,8 +24,8 @@ from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
 @dataclass(frozen=True)
 class MeasuredCall:
     """A function's `values` by parameter, flat where they were structures, and `original`, which takes them by
-    position; the selected inputs and outputs. `single`: among the values are arrays of float32; `structured`: the
-    values were structures."""
+    position; the selected inputs and outputs, and the loops that keep snapshots. `single`: among the values are arrays
+    of float32; `structured`: the values were structures."""
     original: Callable[..., Any]
     state: ProgramVersion
     values: dict[str, Any]
@@ -33,6 +33,7 @@ class MeasuredCall:
     wrt: tuple[str, ...]
     of: tuple[str, ...]
     engine: str
+    checkpoint: tuple[tuple[str, int], ...]
     is_single_precision: bool
     structured: bool
 
@@ -59,7 +60,7 @@ class MeasuredCall:
         inputs = selected_wrt(name, state.parameters, types, carried.wrt)
         outputs = selected_of(name, state.parameters, types, state.summary(types), carried.of)
         return cls(original, state, dict(zip(state.parameters, values)), types, inputs, outputs, chosen(carried.engine),
-                   single, flattened is not None)
+                   carried.checkpoint, single, flattened is not None)
 
     @property
     def arguments(self) -> tuple[Any, ...]:
@@ -94,7 +95,7 @@ class MeasuredCall:
 
     @property
     def _carrier(self) -> Carrier:
-        return Carrier(Selection(self.wrt, self.of, self.engine))
+        return Carrier(Selection(self.wrt, self.of, self.engine, self.checkpoint))
 
     def primal(self, values: Mapping[str, Any]) -> Callable[..., Any]:
         """The function of values like these, by position: as it is under NumPy, compiled for their types under Numba.

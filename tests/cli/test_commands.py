@@ -79,6 +79,15 @@ def test_check_runs_the_file_and_says_so(ran, kernel):
     assert (status, err) == (0, "running k.py and scale\n")
 
 
+def test_check_and_bench_of_loops_that_keep_snapshots(ran, kernel):
+    kernel("def decay(u, steps: int):\n    for k in range(steps):\n        u *= 1.0 - 0.1 * u\n    return u[0]\n")
+    given = "--engine", "numpy", "--arguments", "np.ones(100), 50", "--checkpoint", "k=4"
+    assert ran("check", "k.py:decay", *given)[0] == 0
+    assert "recorded 4,000 bytes" in ran("bench", "k.py:decay", "--budget", "0", *given)[1]
+    status, _, err = ran("check", "k.py:decay", *given[:-1], "m=4")
+    assert status == 1 and "checkpoint names 'm', which is no loop of 'decay'" in err
+
+
 def test_the_other_commands_do_not_run_the_file(ran, kernel):
     kernel(SCALE + "raise SystemExit('it was run')\n")
     for command in ("adjoint", "tangent", "explain", "stages"):

@@ -13,6 +13,7 @@ from benchmarks.kernels.cases import CASES
 from s2sad import check
 from s2sad.report.check import Checked
 from s2sad.report.differences import differences
+from s2sad.report.measured_call import MeasuredCall
 from s2sad.rules.rule import TABLE, Rule, template
 
 
@@ -120,3 +121,15 @@ def test_check_says_where_differences_say_nothing():
 def test_differences_find_a_kink():
     _, error = differences(lambda h: np.array([abs(h)]))
     assert math.isinf(error[0])
+
+
+def decays(u, n):
+    for k in range(n):
+        u *= 1.0 - 0.1 * u * k
+
+
+def test_loops_that_keep_snapshots_keep_them():
+    kept = s2sad.differentiate(decays, checkpoint={"k": 2}, engine="numpy")
+    measured = MeasuredCall.for_call(kept, (np.ones(3), 5), None, None, None)
+    assert "revolve" in measured.reverse().rv.generated.text
+    assert s2sad.check(kept, np.ones(3), 5)
