@@ -75,14 +75,16 @@ class RecordingPlan:
 
 @dataclass
 class RecordingProblem:
-    """The tables, what the adjoint of each statement reads, what each statement stores, and whether its adjoint runs
-    in the state that it leaves; `quick` if loops run so fast that recording takes longer than running them again."""
+    """The tables, what the adjoint of each statement reads, what each statement stores, whether its adjoint runs in the
+    state that it leaves, and whether a call fills an array, each time the same elements, before it reads it; `quick`
+    if loops run so fast that recording takes longer than running them again."""
     structure: ProgramStructure
     dependence: Dependence
     active: Callable[[AST], bool]
     uses: Callable[[AST], OperandUses]
     writes: Callable[[AST], list[AST]]
     after: Callable[[AST], bool] = reads_own_result
+    refills: Callable[[AST, str], bool] = lambda statement, array: False
     quick: bool = False
 
     @cached_property

@@ -212,14 +212,17 @@ class RecordingPlanner(RecomputationPlaces):
 
     def must_be_restored(self, store: Store, load: AST, statement: AST) -> bool:
         """Whether a store must be undone for a load of a statement's adjoint: what the statement itself overwrites is
-        put back as it was before it, whatever was stored there since, unless the adjoint reads what it left there."""
+        put back as it was before it, whatever was stored there since, unless the adjoint reads what it left there. A
+        call that fills an array before it reads it runs again whatever it holds (`work_arrays`)."""
+        if store.statement is statement and self.problem.refills(statement, base_name(load)):
+            return False
         if not self.conflict(store, load, statement, self.overwrites_operands(statement)):
             return False
         if self.problem.after(statement):
             return True
         own = next((s for s in self.stores_by.get(id(statement), ()) if dump(s.place) == dump(load)), None)
-        return own is None or own is store or not self.conflict(own, load, statement,
-                                                                self.overwrites_operands(statement))
+        return own is None or own is store or self.problem.refills(statement, base_name(load)) or not self.conflict(
+            own, load, statement, self.overwrites_operands(statement))
 
     def overwrites_operands(self, statement: AST) -> bool:
         """Whether a statement's own store can overwrite what its adjoint reads."""

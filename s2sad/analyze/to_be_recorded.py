@@ -13,6 +13,8 @@ iteration.
 """
 from __future__ import annotations
 
+from functools import cache
+
 from s2sad.analyze.callee_derivatives import call_uses, is_kernel_call
 from s2sad.analyze.context import AnalysisContext
 from s2sad.analyze.dependence import Dependence
@@ -22,6 +24,7 @@ from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem, Snapsh
 from s2sad.analyze.recording_planner import plan_for, weight_of
 from s2sad.analyze.shift import shift_of
 from s2sad.analyze.uses import OperandUses, uses
+from s2sad.analyze.work_arrays import refilled_in_loops
 from s2sad.infer.inference import Typing
 from s2sad.liveness import base_name, targets
 from s2sad.normalize.loops.hoist_allocations import is_allocation
@@ -52,8 +55,12 @@ def _problem(context: AnalysisContext) -> RecordingProblem:
             return [index(name(base_name(statement.targets[0])), const(...))]
         return calls.writes(statement)
 
+    @cache
+    def refills(statement: AST, array: str) -> bool:
+        return refilled_in_loops(statement, array, structure, calls)
+
     return RecordingProblem(structure, Dependence(structure), lambda s: has_adjoint(s, typing, active), reads_of,
-                            writes, calls.adjoint_after, quick=context.in_loops)
+                            writes, calls.adjoint_after, refills, quick=context.in_loops)
 
 
 def has_adjoint(statement: AST, typing: Typing, active: frozenset[str]) -> bool:

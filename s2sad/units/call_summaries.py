@@ -1,9 +1,12 @@
 """call_summaries: the stores and the edges of dependence of calls of units, and which calls are not run again."""
 from __future__ import annotations
 
+from collections.abc import Set
+
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.uses import reads_own_result
 from s2sad.analyze.callee_derivatives import is_kernel_call
+from s2sad.analyze.work_arrays import refilled_by_call
 from s2sad.tree import AST, Assign, AugAssign, Call, Expr, FunctionDef, Subscript, user_call, walk_statements
 from s2sad.units.unit import Unit
 
@@ -41,6 +44,15 @@ class Calls:
         if is_kernel_call(statement) and (unit := self.callee(statement.value)) is not None:
             found += [statement.value.args[p] for p in unit.summary.written]
         return found
+
+    def function_of(self, node: Call) -> FunctionDef | None:
+        """The function that is called, in normal form; None if its runs may differ."""
+        unit = self.callee(node)
+        return None if unit is None or unit.has_state or unit.pairs else unit.function
+
+    def refills(self, node: Call, array: str, known: Set[str]) -> bool:
+        """Whether a call fills an array before it reads it, in the same elements as long as names `known` stay."""
+        return refilled_by_call(node, array, known, self.function_of)
 
     def adjoint_after(self, statement: AST) -> bool:
         """Whether a statement's adjoint runs in the state that it leaves: it solves for what it stores."""

@@ -143,13 +143,9 @@ class Units(NormalForms):
                 names = [n for n, _, _ in derived.made.parameters]
                 needed = {names[k] for k in self.effects.table[derived.function.name].reads}
         effects = self.effects
-
-        def function_of(called: Call) -> FunctionDef | None:
-            unit = self.callee(called)
-            return None if unit is None or unit.has_state else unit.function
         counter = loop.loop.target.id if isinstance(loop.loop, For) else ""
         accesses = Accesses(effects.writes, effects.pure, effects.unread)
-        found = live_state(step.function, counter, changed, needed, accesses, function_of)
+        found = live_state(step.function, counter, changed, needed, accesses, self.function_of)
         return tuple(n for n in parameters if n in found)
 
     def unbounded(self, called: Call) -> UnboundedValues | None:

@@ -10,6 +10,7 @@ import pytest
 
 import s2sad
 from s2sad import timesteps
+from tests.corpus.recording import work_arrays
 from tests.differentiate import time_loops
 from tests.differentiate.time_loops import LOOPS
 from tests.harness.derivatives import check_derivatives
@@ -139,6 +140,26 @@ def test_a_step_that_runs_again_finds_the_same_bits():
         found.setdefault(step, set()).add(state)
     assert sorted(found) == list(range(25))
     assert all(len(states) == 1 for states in found.values())
+
+
+@pytest.mark.parametrize("kernel", (*work_arrays.REFILLED, *work_arrays.OTHERS), ids=lambda k: k.__name__)
+def test_work_arrays_that_are_filled_are_no_state(kernel):
+    """What looks like one and is read by a later step is kept."""
+    loop = "k" if "k" in kernel.__code__.co_varnames else "_k"
+    x, expected = np.linspace(0.5, 1.3, 4), s2sad.gradient(kernel, wrt="x")
+    for steps in (1, 2, 9):
+        for snapshots in (1, 3):
+            found = s2sad.gradient(s2sad.differentiate(kernel, checkpoint={loop: snapshots}), wrt="x")
+            np.testing.assert_array_equal(found(x, steps), expected(x, steps))
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_work_arrays_that_a_call_fills_are_not_recorded(engine):
+    for kernel in work_arrays.REFILLED:
+        text = s2sad.differentiate(kernel, engine=engine).adjoint_source(np.ones(4), 3)
+        assert "u_stack" in text and "work_stack" not in text
+    text = s2sad.differentiate(work_arrays.rows_of_others, engine=engine).adjoint_source(np.ones(4), 3)
+    assert "work_stack" in text
 
 
 def test_only_live_state_is_kept():
