@@ -44,7 +44,8 @@ def refilled_by_call(called: Call, array: str, known: Set[str], callee: Callee, 
 def refilled_in_loops(statement: AST, array: str, structure: ProgramStructure, calls: CallFacts) -> bool:
     """Whether a statement in loops is a call that refills an array, the same elements in each iteration."""
     loops, called = structure.place(statement).loops, getattr(statement, "value", None)
-    if not loops or not isinstance(called, Call) or not user_call(called) or any(is_reallocated(structure, n) for n in names(called)):
+    if not loops or not isinstance(called, Call) or not user_call(called) or any(
+            is_reallocated(structure, n) for n in names(called)):
         return False
     inside = [loops[0], *(p.statement for p in structure.inner[id(loops[0])])]
     changed = {base_name(t) for s in inside for t in (*targets(s), *calls.writes(s))}
