@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         vjp as vjp,
     )
     from s2sad.interface.loop_marks import timesteps as timesteps
+    from s2sad.program import Snapshots as Snapshots
     from s2sad.custom.user_rules import nondifferentiable as nondifferentiable, rule as rule
     from s2sad.report.bench import Bench as Bench, bench as bench
     from s2sad.report.check import Checked as Checked, check as check
@@ -41,14 +42,15 @@ _HOMES = {
     "report.check": ("Checked", "check"),
     "report.explain": ("Explanation", "explain"),
     "interface.loop_marks": ("timesteps",),
+    "program": ("Snapshots",),
     "interface.drivers": ("gradient", "jvp", "make_zero", "value_and_gradient", "vjp"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [
     "Active", "BatchDuplicated", "Bench", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed",
     "Explanation", "Forward", "ForwardWithPrimal", "Reverse", "ReverseWithPrimal", "S2sadError", "S2sadWarning",
-    "autodiff", "bench", "check", "differentiate", "explain", "gradient", "jvp", "make_zero", "nondifferentiable",
-    "rule", "timesteps", "value_and_gradient", "vjp",
+    "Snapshots", "autodiff", "bench", "check", "differentiate", "explain", "gradient", "jvp", "make_zero",
+    "nondifferentiable", "rule", "timesteps", "value_and_gradient", "vjp",
 ]
 
 

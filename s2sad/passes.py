@@ -21,7 +21,7 @@ from s2sad.form import verify
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import Type
 from s2sad.naming import Names
-from s2sad.program import Kernel, Program
+from s2sad.program import Kernel, Program, Snapshots
 from s2sad.tree import Call, FunctionDef
 
 C = TypeVar("C", bound="Context")
@@ -35,7 +35,7 @@ def unwatched(stage: str, function: FunctionDef) -> None:
 class Callees(Protocol):
     """The functions that calls call, each made when it is first called for; `checkpoints` are the places of loops that
     keep snapshots, with how many, `outlined_at` the places of loops that were looked at."""
-    checkpoints: Mapping[tuple[str, int, int], int]
+    checkpoints: Mapping[tuple[str, int, int], Snapshots]
     outlined_at: set[tuple[str, int, int]]
 
     def unit(self, kernel: str, types: tuple[Type, ...], pairs: tuple[tuple[int, int], ...] = ()) -> Any: ...

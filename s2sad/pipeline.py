@@ -34,7 +34,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError, WaitingForFacts
 from s2sad.evaluate.specialize import specialize
 from s2sad.live_objects.guards import recording
 from s2sad.read import of_captured
-from s2sad.program import DemandedFacts, EntrySummary, Generated, Parameter, Program, Request
+from s2sad.program import DemandedFacts, EntrySummary, Generated, Parameter, Program, Request, Snapshots
 from s2sad.run.user_functions_in_numba import compilable
 from s2sad.naming import Names
 from s2sad.passes import Watch, run, unwatched
@@ -196,7 +196,7 @@ def with_caller_tape(derived: UnitDerivative, function: FunctionDef, units: Unit
 
 
 def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch = unwatched,
-          forms: Forms | None = None, keep: Mapping[Place, int] = MappingProxyType({})) -> tuple[Units, Unit]:
+          forms: Forms | None = None, keep: Mapping[Place, Snapshots] = MappingProxyType({})) -> tuple[Units, Unit]:
     """The units of a program and the one of its entry; arrays from outside have become parameters. The loops at the
     places `keep` keep snapshots."""
     made = {} if forms is None else forms
@@ -224,7 +224,7 @@ def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch =
 
 
 def normal_form(program: Program, types: tuple[Type, ...], engine: str, watch: Watch,
-                keep: Mapping[Place, int] = MappingProxyType({})) -> tuple[Units, Unit]:
+                keep: Mapping[Place, Snapshots] = MappingProxyType({})) -> tuple[Units, Unit]:
     """The units of a program, and that of its entry for arguments of these types."""
     program = global_arrays(program)
     units = Units(program, engine, watch=watch, checkpoints=keep)
@@ -275,9 +275,10 @@ def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:
 
 
 def facts(derived: UnitDerivative, request: Request, units: Units) -> dict[str, Any]:
-    """What wrappers and reports ask of a derivative: which of `wrt` no output depends on, all that was made, and
-    whether functions are arguments of functions, which Numba does not keep on disk."""
+    """What wrappers and reports ask of a derivative: which of `wrt` no output depends on, all that was made, whether
+    functions are arguments of functions, which Numba does not keep on disk, and the folders of snapshots."""
     active = derived.activity.active
     moving = any(d.unit.kernel.residual and d.beside for d in units.derived.values())
+    folders = dict.fromkeys(u.loop.snapshots.on_disk for u in units.titled.values() if u.loop is not None)
     return {"independent": tuple(w for w in request.wrt if w not in active), "derived": derived, "units": units,
-            "moving": moving}
+            "moving": moving, "folders": tuple(f for f in folders if f is not None)}

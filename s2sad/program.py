@@ -1,6 +1,7 @@
 """The nouns that the rooms hand to each other: a kernel, a program, a request, and what was generated."""
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -135,12 +136,29 @@ class DemandedFacts(Exception):
 
 
 @dataclass(frozen=True)
+class Snapshots:
+    """How many states a loop keeps in place of a tape, as `checkpoint` and `timesteps` take it.
+
+    Args: count, how many; on_disk, a folder in which files hold them, through memory maps: they have no name there, are
+    no one else's, and are gone when the call is over, however it ends.
+
+    >>> Snapshots(20, on_disk="/scratch")
+    Snapshots(count=20, on_disk='/scratch')
+    """
+    count: int
+    on_disk: str | os.PathLike[str] | None = None
+
+
+Checkpoints = tuple[tuple[str, Snapshots], ...]     # loops as the user calls them
+
+
+@dataclass(frozen=True)
 class Request:
     """A derivative to be made: `mode` is "adjoint", "tangent" or "primal"; types by position.
 
     `wrt` and `of` are names of parameters; `of` may hold "return". `engine` is "numpy" or "numba", `level`
     "plain" or "fast". `with_primal` also returns the primal's result. `assumed` has a reason for every parameter whose
-    type is an assumption; `checkpoint` has the loops that keep snapshots, as the user calls them, and how many.
+    type is an assumption; `checkpoint` has the loops that keep snapshots.
     """
     mode: str
     types: tuple[Type, ...]
@@ -151,7 +169,7 @@ class Request:
     with_primal: bool = False
     standalone: bool = False
     assumed: tuple[tuple[str, str], ...] = ()
-    checkpoint: tuple[tuple[str, int], ...] = ()
+    checkpoint: Checkpoints = ()
 
 
 @dataclass(frozen=True)

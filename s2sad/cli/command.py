@@ -21,7 +21,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.assumed_types import Assumed
 from s2sad.interface.pytrees.file_programs import Said, file_program, flat_spelled
 from s2sad.interface.pytrees.spelled_types import flat_names, parse_form, split_list
-from s2sad.program import Fact, Program, Request
+from s2sad.program import Checkpoints, Fact, Program, Request, Snapshots
 from s2sad.report.argument_literals import evaluate_arguments, flat_values, form_of_literal
 from s2sad.report.bench import bench
 from s2sad.report.cache_contents import clear_cache, describe_cache
@@ -197,14 +197,16 @@ def _listed(names: str | None) -> tuple[str, ...] | None:
     return None if names is None else tuple(n.strip() for n in names.split(",") if n.strip())
 
 
-def _checkpoint_option(parser: argparse.ArgumentParser, text: str | None) -> tuple[tuple[str, int], ...]:
-    """What `--checkpoint "k=20, advance.k=10"` says."""
+def _checkpoint_option(parser: argparse.ArgumentParser, text: str | None) -> Checkpoints:
+    """What `--checkpoint "k=20, advance.k=10@/scratch"` says."""
     found = {}
     for part in _listed(text) or ():
-        loop, sign, snapshots = part.rpartition("=")
-        if not sign or not snapshots.strip().isdecimal():
-            parser.error(f"--checkpoint: '{part}' is not LOOP=NUMBER, as k=20, advance.k=20 or line 14=20")
-        found[loop.strip()] = int(snapshots)
+        loop, sign, snapshots = part.partition("=")
+        count, disk, folder = snapshots.partition("@")
+        if not sign or not count.strip().isdecimal() or disk and not folder.strip():
+            parser.error(f"--checkpoint: '{part}' is not LOOP=NUMBER or LOOP=NUMBER@FOLDER, as k=20, advance.k=20, "
+                         "line 14=20 or k=20@/scratch")
+        found[loop.strip()] = Snapshots(int(count), folder.strip() or None)
     return checkpoints_of(found)
 
 

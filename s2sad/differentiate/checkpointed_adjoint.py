@@ -5,22 +5,23 @@ the last one that is are run again, and states are kept on the way.
     def f_k_loop_forward(n, u):                     def f_k_loop_adjoint(n, u, u_bar, kept):
         ...                                             held, count, trips, u_snapshots = kept
         for k in range(n):                              for k in range(trips - 1, -1, -1):
-            if k == following or k == trips - 1:            if held[count - 1] < k:
-                held[count] = k                                 ... run again, and keep ...
-                u_snapshots[count] = u                      f_k_step_adjoint(k, u_snapshots[count - 1], u_bar)
-                count += 1                                  count -= 1
-                ...
-            f_k_step(k, u)
+            if k == following or k == trips - 1:            u_again[:] = u_snapshots[count - 1]
+                held[count] = k                             for again in range(held[count - 1], k):
+                u_snapshots[count] = u                          ... keep some ...
+                count += 1                                      f_k_step(again, u_again)
+                ...                                         f_k_step_adjoint(k, u_again, u_bar)
+            f_k_step(k, u)                                  ...
         return (held, count, trips, u_snapshots)
 
-A state lies in a row of its arrays' snapshots, where steps run in place; there is one row more than states are kept.
-Which states are kept is for `runtime.revolve` to say where the number of steps is known, at the least number of runs;
-else every second, fourth, ... one is, and what is left is kept on the way back.
+A state lies in a row of its arrays' snapshots, in memory or in a file; there is one row more than states are kept, for
+the last. Which states are kept is for `runtime.revolve` to say where the number of steps is known, at the least number
+of runs; else every second, fourth, ... one is, and what is left is kept on the way back.
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from s2sad.analyze.callee_derivatives import CalleeDerivative
 from s2sad.analyze.dependence import range_parts
@@ -34,9 +35,9 @@ from s2sad.liveness import base_name
 from s2sad.naming import Names
 from s2sad.normalize.calls.outlining import OutlinedLoop
 from s2sad.tree import (
-    AST, Add, And, BoolOp, Break, Call, Eq, Expr, For, FunctionDef, If, Lt, Mod, Mult, Or, Return,
-    Sub, While, add, assign, attribute, augment, binary, call, comment, compare, const, copy, counted_for, function,
-    index, name, names, sub, substitute, tuple_of,
+    AST, Add, And, BoolOp, Break, Call, Eq, Expr, For, FunctionDef, If, Mod, Mult, Or, Return, Slice, Sub, While, add,
+    assign, attribute, augment, binary, call, comment, compare, const, copy, counted_for, function, index, name, names,
+    rename, sub, substitute, tuple_of,
 )
 
 
@@ -60,9 +61,11 @@ class CheckpointedAdjoint:
         self.request, self.typing, self.free = request, typing, free
         self.stored = {n: self.new(f"{n}_snapshots", array(typing.table[n].dtype, typing.table[n].rank + 1))
                        for n in step.state}
+        self.again = {n: self.new(f"{n}_again", typing.table[n]) for n in step.state if typing.table[n].is_array}
         self.held, self.count, self.trips, self.following, self.gap = (
             self.new(n, t) for n, t in (("held", array("int64", 1)), ("count", INT), ("trips", INT),
                                         ("following", INT), ("gap", INT)))
+        self.places = loop.snapshots.count
         self.kept = self.new("kept", UNKNOWN)
         self.counter = loop.loop.target.id if isinstance(loop.loop, For) else ""
         self.plain = isinstance(loop.loop, For) and loop.is_counted and from_zero(loop.loop)
@@ -89,8 +92,8 @@ class CheckpointedAdjoint:
         last = BoolOp(Or(), [compare(name(self.trip), Eq(), name(self.following)),
                              compare(name(self.trip), Eq(), sub(name(self.trips), const(1)))])
         body: list[AST] = [If(last, self.keep(self.trip, name(self.trips)), []), copy(self.loop.step)]
-        before: list[AST] = [assign(self.trips, call("builtins.len", copy(loop.iter))),
-                             *self.allocated(call("builtins.min", const(self.loop.snapshots + 1), name(self.trips))),
+        rows = call("builtins.min", const(self.places + 1), name(self.trips))
+        before: list[AST] = [assign(self.trips, call("builtins.len", copy(loop.iter))), *self.allocated(rows),
                              assign(self.count, const(0)), assign(self.following, const(0))]
         if not self.plain:
             before.append(assign(self.trip, const(0)))
@@ -99,7 +102,7 @@ class CheckpointedAdjoint:
 
     def uncounted(self) -> list[AST]:
         """A loop whose number of steps shows in the end."""
-        most = max(1, 3 * self.loop.snapshots // 4)
+        most = max(1, 3 * self.places // 4)
         turn = compare(binary(name(self.trips), Mod(), name(self.gap)), Eq(), const(0))
         full = BoolOp(And(), [turn, compare(name(self.count), Eq(), const(most))])
         rows = [self.held, *self.stored.values()]
@@ -111,7 +114,7 @@ class CheckpointedAdjoint:
         if self.loop.left:
             body.append(If(name(self.loop.left), [Break()], []))
         zeros = [assign(n, const(0)) for n in (self.count, self.trips)]
-        return [*self.allocated(const(self.loop.snapshots + 1)), *zeros, assign(self.gap, const(1)), self.around(body)]
+        return [*self.allocated(const(self.places + 1)), *zeros, assign(self.gap, const(1)), self.around(body)]
 
     def around(self, body: list[AST]) -> AST:
         loop = self.loop.loop
@@ -124,6 +127,10 @@ class CheckpointedAdjoint:
         made: list[AST] = [assign(self.held, call("numpy.empty", copy(rows), name("numpy.int64")))]
         for value, snapshots in self.stored.items():
             kind = self.typing.table[value]
+            if kind.is_array and self.loop.snapshots.on_disk is not None:
+                made.append(assign(snapshots, call("runtime.on_disk", name(value), copy(rows),
+                                                   const(self.loop.snapshots.on_disk))))
+                continue
             size = binary(tuple_of(copy(rows)), Add(), attribute(name(value), "shape")) if kind.is_array else copy(rows)
             dtype = [] if kind.dtype == "float64" else [
                 name("numpy.bool_" if kind.dtype == "bool" else f"numpy.{kind.dtype}")]
@@ -132,65 +139,54 @@ class CheckpointedAdjoint:
 
     def rows(self) -> AST:
         """How many states there is room for, in the names of the loop's function."""
+        most = const(self.places + 1)
         if not self.loop.is_counted:
-            return const(self.loop.snapshots + 1)
-        return call("builtins.min", const(self.loop.snapshots + 1), call("builtins.len", copy(self.loop.loop.iter)))
+            return most
+        return call("builtins.min", most, call("builtins.len", copy(self.loop.loop.iter)))
 
-    def keep(self, trip: str, end: AST | None) -> list[AST]:
-        """The state before a step is kept; before `end` another may be, if that is known."""
+    def keep(self, trip: str, end: AST | None, arrays: Mapping[str, str] = MappingProxyType({})) -> list[AST]:
+        """The state before a step is kept, that lies in `arrays`; before `end` another may be, if that is known."""
         made: list[AST] = [assign(index(name(self.held), name(self.count)), name(trip))]
-        made += [assign(index(name(s), name(self.count)), name(n)) for n, s in self.stored.items()]
+        made += [assign(index(name(s), name(self.count)), name(arrays.get(n, n))) for n, s in self.stored.items()]
         made.append(augment(self.count, Add(), const(1)))
         if end is not None:
             made.append(assign(self.following, self.next_kept(name(trip), end)))
         return made
 
     def next_kept(self, start: AST, end: AST) -> AST:
-        return call("runtime.revolve", start, end, sub(const(self.loop.snapshots), name(self.count)))
+        return call("runtime.revolve", start, end, sub(const(self.places), name(self.count)))
 
     # -- reverse -----------------------------------------------------------------------------------------------------
 
     def reverse(self, title: str) -> Derivative:
         """The second half: it takes what the first one keeps as its last argument."""
         signature, before, after = self.signature()
-        last = sub(name(self.count), const(1))
-        behind = compare(index(name(self.held), last), Lt(), name(self.trip))
+        last = index(name(self.held), sub(name(self.count), const(1)))
         body = [comment("the state before this step, by the steps from the last one that is kept"),
-                If(behind, self.run_again(), []), *self.step_adjoint(), augment(self.count, Sub(), const(1))]
+                *self.run_again(last), *self.step_adjoint(),
+                If(compare(copy(last), Eq(), name(self.trip)), [augment(self.count, Sub(), const(1))], [])]
         kept = tuple_of(*map(name, (self.held, self.count, self.trips, *self.stored.values())))
         backwards = counted_for(self.trip, [sub(name(self.trips), const(1)), const(-1), const(-1)], body)
         returned = [p for p in self.request.wrt if self.typing.table[p].is_number]
         values: list[AST] = [name(self.shadows[p]) for p in returned]
+        allocated = [assign(again, call("numpy.empty_like", name(n))) for n, again in self.again.items()]
         made = function(title, [n for n, _, _ in signature], [
-            assign(kept, name(self.kept)), *before, backwards, *after,
+            assign(kept, name(self.kept)), *before, *allocated, backwards, *after,
             *([Return(tuple_of(*values))] if values else [])])
         return Derivative(made, self.shadows, signature, returned, rows=self.rows(),
                           snapshots={s: n for n, s in self.stored.items()})
 
-    def run_again(self) -> list[AST]:
-        """The steps from the last state that is kept on, in the row behind it; states are kept on the way."""
+    def run_again(self, last: AST) -> list[AST]:
+        """The steps from `last`, the last one before which the state is kept; others are kept on the way."""
         again = self.new("again", INT)
-        last, end = index(name(self.held), sub(name(self.count), const(1))), add(name(self.trip), const(1))
-        keep: list[AST] = [*self.held_in_row(name(again)), *self.next_row(), assign(
-            self.following, self.next_kept(name(again), copy(end)))]
-        run = [If(compare(name(again), Eq(), name(self.following)), keep, []), self.called(name(again))]
-        numbers: list[AST] = [assign(n, index(name(s), sub(name(self.count), const(1))))
-                              for n, s in self.stored.items() if not self.typing.table[n].is_array]
-        return [assign(self.following, self.next_kept(last, end)), *self.next_row(), *numbers,
-                counted_for(again, [copy(last), name(self.trip)], run), *self.held_in_row(name(self.trip))]
-
-    def held_in_row(self, trip: AST) -> list[AST]:
-        """The row behind the last state that is kept holds another one, that before a trip."""
-        made: list[AST] = [assign(index(name(self.held), name(self.count)), trip)]
-        made += [assign(index(name(s), name(self.count)), name(n)) for n, s in self.stored.items()
-                 if not self.typing.table[n].is_array]
-        return [*made, augment(self.count, Add(), const(1))]
-
-    def next_row(self) -> list[AST]:
-        """The arrays of the last state that is kept, in the row behind it."""
-        last = sub(name(self.count), const(1))
-        return [assign(index(name(s), name(self.count)), index(name(s), copy(last)))
-                for n, s in self.stored.items() if self.typing.table[n].is_array]
+        end = add(name(self.trip), const(1))
+        run = [If(compare(name(again), Eq(), name(self.following)), self.keep(again, copy(end), self.again), []),
+               self.called(name(again))]
+        row = sub(name(self.count), const(1))
+        loaded = [assign(index(name(self.again[n]), Slice(None, None, None)) if n in self.again else n,
+                         index(name(s), copy(row))) for n, s in self.stored.items()]
+        return [*loaded, assign(self.following, self.next_kept(copy(last), end)),
+                counted_for(again, [copy(last), name(self.trip)], run)]
 
     def signature(self) -> tuple[list[tuple[str, str, str]], list[AST], list[AST]]:
         """The parameters; the shadows that are bound before the steps, and what is added behind them."""
@@ -230,15 +226,10 @@ class CheckpointedAdjoint:
             self.loop.results[k] for k in self.step.results if k < len(self.loop.results))]
 
     def called(self, trip: AST) -> AST:
-        """A step, run again in the row behind the last state that is kept."""
+        """A step, run again in arrays of its own."""
         step = copy(self.loop.step)
-        step.value = self.in_row(self.with_counter(step.value, trip), name(self.count))
+        step.value = rename(self.with_counter(step.value, trip), self.again)
         return step
-
-    def in_row(self, called: Call, row: AST) -> Call:
-        """A call with a row of snapshots for each array of the state."""
-        return substitute(called, {n: index(name(s), row) for n, s in self.stored.items()
-                                   if self.typing.table[n].is_array})
 
     def with_counter(self, called: Call, trip: AST) -> Call:
         """A call with what the loop's counter is in a trip."""
@@ -255,9 +246,7 @@ class CheckpointedAdjoint:
 
         def shadow(argument: AST) -> AST:
             return const(0.0) if base_name(argument) in self.loop.carried else name(self.bars[base_name(argument)])
-        last = sub(name(self.count), const(1))
-        row = {n: index(name(s), last) for n, s in self.stored.items()}
-        args: list[AST] = [substitute(a, row) for a in with_shadows(original, callee, shadow)]
+        args: list[AST] = [rename(a, self.again) for a in with_shadows(original, callee, shadow)]
         args += [name(self.bars[self.loop.results[k]]) for k in callee.seeds]
         targets = [self.bars[self.step.parameters[k]] for k in callee.returns]
         called = self.with_counter(call(callee.name, *args), name(self.trip))

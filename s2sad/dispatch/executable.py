@@ -15,6 +15,8 @@ from s2sad.run.compiled import compiled, prepare
 from s2sad.run.exceptions import CAUGHT, ExceptionMeanings
 from s2sad.run.module_loader import keep_loaded, load
 from s2sad.run.overlap import Check, Slot
+from s2sad.run.through_python import files_emptied_on_error
+from s2sad.runtime import on_disk
 
 HIDDEN = "array."
 _KINDS = {"float64": float, "float32": np.float32, "complex128": complex}
@@ -52,6 +54,19 @@ class TapeReuse:
         return sum(stack.nbytes for stack in getattr(self._kept, "stacks", self.first))
 
 
+class OnDisk:
+    """A derivative that keeps snapshots in files of folders."""
+
+    def __init__(self, function: Callable[..., Any], folders: tuple[str, ...]):
+        self.function, self.folders = function, folders
+
+    def __call__(self, *arguments: Any) -> Any:
+        for folder in self.folders:
+            on_disk(np.empty(0), 0, folder)     # while the arguments are as they were
+        with files_emptied_on_error():
+            return self.function(*arguments)
+
+
 class Executable:
     """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked."""
 
@@ -76,6 +91,8 @@ class Executable:
         self.function: Callable[..., Any] = (
             TapeReuse(self.dispatcher, self._first) if stacks else
             _without_warnings(self.dispatcher) if engine == "numpy" else self.dispatcher)
+        if folders := generated.facts.get("folders", ()):
+            self.function = OnDisk(self.function, folders)
         self.shadows = {p.primal: p for p in self.parameters if p.role == "shadow"}
         self.seeds = tuple(p for p in self.parameters if p.role == "seed")
         self._written = frozenset(summary.written)

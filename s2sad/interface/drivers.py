@@ -13,6 +13,7 @@ from s2sad.interface.foreign_names import unexpected_keywords
 from s2sad.interface.pytrees import Carrier, flat_drivers as with_structures, flatten
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
+from s2sad.program import Checkpoints
 from s2sad.interface.selection import RETURN, Checkpoint, Wrt, checkpoints_of, names_of
 from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.tracebacks import public
@@ -189,7 +190,7 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wr
     return entry.vjp(args, seeds)
 
 
-def carrier_of(f: Any, checkpoint: tuple[tuple[str, int], ...] | None) -> Any:
+def carrier_of(f: Any, checkpoint: Checkpoints | None) -> Any:
     """What has the selection of a function, with other loops that keep snapshots if these are given."""
     return f if checkpoint is None else Carrier.with_overrides(f, None, None, None, checkpoint)
 

@@ -4,15 +4,18 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TypeVar
 
+from s2sad.program import Snapshots
+
 T = TypeVar("T")
 
 
-def timesteps(steps: Iterable[T], snapshots: int) -> Iterable[T]:
+def timesteps(steps: Iterable[T], snapshots: int | Snapshots) -> Iterable[T]:
     """The steps themselves: in the text of a kernel it says that the loop over them keeps so many snapshots in a
     derivative, as `checkpoint` does.
 
-    Args: steps, what the loop goes through, as range(n); snapshots, a number in the text. Literature: Griewank and
-    Walther, Algorithm 799: revolve, ACM TOMS 26, 2000.
+    Args: steps, what the loop goes through, as range(n); snapshots, a number in the text, or there
+    s2sad.Snapshots(20, on_disk="/scratch"). Literature: Griewank and Walther, Algorithm 799: revolve, ACM TOMS 26,
+    2000.
 
     >>> import numpy as np
     >>> from s2sad import gradient

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import inspect
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -12,18 +13,19 @@ from s2sad.dispatch.arguments import misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, misfit_of
 from s2sad.live_objects.unwrap import python_function
+from s2sad.program import Checkpoints, Snapshots
 
 RETURN = "return"
 Wrt = str | int | Iterable[str | int] | None
-Checkpoint = Mapping[str, int] | Iterable[tuple[str, int]] | None
+Checkpoint = Mapping[str, int | Snapshots] | Iterable[tuple[str, int | Snapshots]] | None
 
 
 class Selection(NamedTuple):
-    """What a differentiated function carries: the loops in `checkpoint` keep so many snapshots."""
+    """What a differentiated function carries."""
     wrt: tuple[str, ...] | None = None
     of: tuple[str, ...] | None = None
     engine: str = "auto"
-    checkpoint: tuple[tuple[str, int], ...] = ()
+    checkpoint: Checkpoints = ()
 
 
 @dataclass(frozen=True)
@@ -134,20 +136,29 @@ def names_of(chosen: Wrt, f: Any, what: str = "wrt") -> tuple[str, ...] | None:
     return tuple(_name_at(n, f, what) for n in several)
 
 
-def checkpoints_of(chosen: Checkpoint) -> tuple[tuple[str, int], ...]:
+def checkpoints_of(chosen: Checkpoint) -> Checkpoints:
     """The loops that keep snapshots, by what the user calls them, and how many each keeps."""
     if chosen is None:
         return ()
     if isinstance(chosen, str) or not isinstance(chosen, Iterable):
         raise _unclear(f"checkpoint is {chosen!r}")
-    found: tuple[tuple[str, int], ...] = tuple(dict(chosen).items())
-    for loop, snapshots in found:
-        if not isinstance(loop, str) or isinstance(snapshots, bool) or not isinstance(snapshots, (int, np.integer)):
-            raise _unclear(f"checkpoint holds {loop!r}: {snapshots!r}")
-        if snapshots < 1:
-            raise S2sadError(Diagnostic("S408", f"checkpoint holds {loop!r}: {snapshots}, and a loop keeps one "
-                                        "snapshot at least", help="more snapshots are fewer steps that run again"))
-    return tuple((loop, int(snapshots)) for loop, snapshots in found)
+    found: tuple[tuple[Any, Any], ...] = tuple(dict(chosen).items())
+    return tuple((loop, _snapshots_of(loop, snapshots)) for loop, snapshots in found)
+
+
+def _snapshots_of(loop: Any, chosen: Any) -> Snapshots:
+    """How many snapshots a loop keeps, and where."""
+    snapshots = chosen if isinstance(chosen, Snapshots) else Snapshots(chosen)
+    count, folder = snapshots.count, snapshots.on_disk
+    if not isinstance(loop, str) or isinstance(count, bool) or not isinstance(count, (int, np.integer)):
+        raise _unclear(f"checkpoint holds {loop!r}: {chosen!r}")
+    if count < 1:
+        raise S2sadError(Diagnostic("S408", f"checkpoint holds {loop!r}: {chosen}, and a loop keeps one "
+                                    "snapshot at least", help="more snapshots are fewer steps that run again"))
+    if folder is not None and not isinstance(folder, (str, os.PathLike)):
+        raise S2sadError(Diagnostic("S408", f"checkpoint holds {loop!r}: {chosen}, which names no folder",
+                                    help='give its path: s2sad.Snapshots(20, on_disk="/scratch")'))
+    return Snapshots(int(count), None if folder is None else os.fspath(folder))
 
 
 def _unclear(message: str) -> S2sadError:

@@ -2,6 +2,8 @@
 
     for k in s2sad.timesteps(range(n), snapshots=20):       for k in range(n):
 
+`snapshots` may also be s2sad.Snapshots(20, on_disk="/scratch").
+
 Where they stand, and how many they keep, is found in the source, by `snapshots_said`.
 """
 from __future__ import annotations
@@ -11,7 +13,7 @@ from dataclasses import replace
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
-from s2sad.program import SourcePlace
+from s2sad.program import Snapshots, SourcePlace
 from s2sad.read.outside_values import AST, Captured
 
 _MARK = "timesteps"
@@ -29,8 +31,8 @@ def unmarked(captured: Captured) -> Captured:
     return replace(captured, tree=made)
 
 
-def snapshots_said(source: Source, wanted: Collection[SourcePlace]) -> Iterator[tuple[SourcePlace, int]]:
-    """Those of the places wanted at which a loop is marked in a source, and how many snapshots it keeps; raises
+def snapshots_said(source: Source, wanted: Collection[SourcePlace]) -> Iterator[tuple[SourcePlace, Snapshots]]:
+    """Those of the places wanted at which a loop is marked in a source, and the snapshots that it keeps; raises
     S2sadError (S408)."""
     for part in (source, *source.others):
         if _MARK not in part.text:
@@ -39,12 +41,26 @@ def snapshots_said(source: Source, wanted: Collection[SourcePlace]) -> Iterator[
             call = _marked(node)
             if call is not None and SourcePlace.of(part, node) in wanted:
                 said = [*call.args[1:], *(k.value for k in call.keywords)]
-                value = said[0].value if len(said) == 1 and isinstance(said[0], tree.Constant) else None
-                if type(value) is not int or value < 1:
+                snapshots = _snapshots(said[0]) if len(said) == 1 else None
+                if snapshots is None:
                     raise S2sadError(Diagnostic("S408", "how many snapshots a loop keeps is no positive number here",
                                                 Span.of(part, call), help="write the number: "
                                                 "timesteps(range(n), snapshots=20)"))
-                yield SourcePlace.of(part, node), value
+                yield SourcePlace.of(part, node), snapshots
+
+
+def _snapshots(said: AST) -> Snapshots | None:
+    """What a mark says; None where it cannot be read from the text."""
+    if isinstance(said, tree.Constant):
+        return Snapshots(said.value) if type(said.value) is int and said.value >= 1 else None
+    if not isinstance(said, tree.Call) or tree.written(said.func).rpartition(".")[2] != Snapshots.__name__:
+        return None
+    given = dict(zip(("count", "on_disk"), said.args)) | {k.arg: k.value for k in said.keywords}
+    values = {n: a.value for n, a in given.items() if isinstance(a, tree.Constant)}
+    count, folder = values.get("count"), values.get("on_disk")
+    if given.keys() - values.keys() or type(count) is not int or count < 1:
+        return None
+    return Snapshots(count, folder) if folder is None or isinstance(folder, str) else None
 
 
 def _marked(node: AST) -> tree.Call | None:

@@ -11,7 +11,7 @@ from types import TracebackType
 from s2sad.diagnostics import Diagnostic, S2sadError, S2sadValueError
 from s2sad.program import TextGuard, SourcePlace
 
-CAUGHT = (AssertionError, SystemError, ValueError)      # the exceptions that may have a `meaning`
+CAUGHT = (AssertionError, OSError, SystemError, ValueError)      # the exceptions that may have a `meaning`
 
 
 class ExceptionMeanings:
@@ -20,6 +20,7 @@ class ExceptionMeanings:
     def __init__(self, facts: Mapping[str, object], path: str, kernel: str):
         self.guards: Mapping[int, TextGuard] = facts.get("guards", {})  # pyright: ignore[reportAttributeAccessIssue]
         self.places: Mapping[int, SourcePlace] = facts.get("places", {})  # pyright: ignore[reportAttributeAccessIssue]
+        self.folders: tuple[str, ...] = facts.get("folders", ())  # pyright: ignore[reportAttributeAccessIssue]
         self.path, self.kernel = path, kernel
 
     def meaning(self, error: BaseException) -> BaseException:
@@ -28,6 +29,10 @@ class ExceptionMeanings:
             return error.__cause__      # a handler raised while compiled code ran, which gave a result all the same
         if isinstance(error, AssertionError) and len(error.args) > 1 and error.args[1] in self.guards:
             return _refused(self.guards[error.args[1]], error.args[2:], self.kernel)
+        if isinstance(error, OSError) and self.folders:
+            return S2sadError(Diagnostic("S407", f"snapshots of '{self.kernel}' cannot be written: {error.strerror}",
+                                         note=f"the folder is {' or '.join(self.folders)}",
+                                         help="give a folder with room for them, or keep fewer"))
         if type(error) is ValueError and (place := self._place(error.__traceback__)) is not None:
             return S2sadValueError(Diagnostic("S501", str(error), place.span()))
         return error

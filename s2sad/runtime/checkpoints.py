@@ -4,6 +4,8 @@ Revolve: Griewank and Walther, ACM Transactions on Mathematical Software 26, 200
 """
 from __future__ import annotations
 
+import numpy as np
+
 
 def revolve(step, end, free):
     """The step before which the next state is kept on the way from one that is held, that before `step`, to the last
@@ -36,3 +38,35 @@ def thin(kept, count):
     for place in range((count + 1) // 2):
         kept[place] = kept[2 * place]
     return (count + 1) // 2
+
+
+def on_disk(array, rows, folder):
+    """Room for so many copies of an array in a file of a folder, where it has no name and is gone
+    with the last reference to it; raises OSError if it cannot be had.
+
+    >>> import tempfile
+    >>> on_disk(np.ones((3, 4)), 2, tempfile.gettempdir()).shape
+    (2, 3, 4)
+    """
+    import tempfile
+
+    with tempfile.TemporaryFile(dir=folder) as file:
+        return mapped(file, array, rows, folder)
+
+
+def mapped(file, array, rows, folder):
+    """Memory for so many copies of an array that is mapped to a file, which has room for them."""
+    import mmap
+    import os
+    import shutil
+
+    size = max(1, rows * array.nbytes)
+    free = shutil.disk_usage(folder).free
+    if free < size:
+        raise OSError(28, f"{size:,} bytes are needed, {free:,} are free", folder)
+    if hasattr(os, "posix_fallocate"):  # the room is taken now: a page without would end the process
+        os.posix_fallocate(file.fileno(), 0, size)
+    else:
+        file.truncate(size)
+    content = mmap.mmap(file.fileno(), size)
+    return np.ndarray((rows,) + array.shape, array.dtype, content)

@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.program import Kernel, Program, SourcePlace
+from s2sad.program import Checkpoints, Kernel, Program, Snapshots, SourcePlace
 from s2sad.read.marked_loops import snapshots_said
 from s2sad.tree import AST, For, Name, While, walk, walk_statements
 
@@ -43,7 +43,7 @@ class NamedLoop:
         return f'"{self.counters[0]}"' if self.kernel.name == entry else f'"{self.kernel.name}.{self.counters[0]}"'
 
 
-def loops_that_keep(program: Program, wanted: tuple[tuple[str, int], ...]) -> Mapping[Place, int]:
+def loops_that_keep(program: Program, wanted: Checkpoints) -> Mapping[Place, Snapshots]:
     """How many snapshots are kept by the loops at these places, those that are wanted and those of which the text says
     so; raises S2sadError for a name of no loop, or of several."""
     there = loops_of(program) if wanted else []
@@ -64,7 +64,7 @@ def check_outlined(program: Program, kept: Collection[Place], there: Collection[
                                         loop.place.span(), help="leave it out of 'checkpoint'"))
 
 
-def _said(program: Program) -> Mapping[Place, int]:
+def _said(program: Program) -> Mapping[Place, Snapshots]:
     """The loops of which the text says that they keep snapshots."""
     there = {loop.place for loop in loops_of(program)}
     sources = dict.fromkeys(k.source for k in program.kernels.values())

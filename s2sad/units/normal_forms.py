@@ -21,7 +21,7 @@ from s2sad.normalize.dtypes.complex_support import refuse_own_derivative
 from s2sad.normalize.dtypes.float32_promotion import makes_singles
 from s2sad.normalize.dtypes.weak_results import KnownResults
 from s2sad.passes import Pass, Passes, Watch, run, unwatched
-from s2sad.program import Kernel, Program
+from s2sad.program import Kernel, Program, Snapshots
 from s2sad.simplify import Effect, Effects
 from s2sad.simplify.remove_marks import remove_marks
 from s2sad.tree import (
@@ -73,7 +73,7 @@ class NormalForms(Calls):
     effects: Effects = field(default_factory=Effects)
     titles: Names = field(default_factory=Names)
     watch: Watch = unwatched
-    checkpoints: Mapping[tuple[str, int, int], int] = field(default_factory=dict)
+    checkpoints: Mapping[tuple[str, int, int], Snapshots] = field(default_factory=dict)
     outlined_at: set[tuple[str, int, int]] = field(default_factory=set)
 
     def __post_init__(self) -> None:

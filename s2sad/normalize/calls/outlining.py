@@ -25,7 +25,7 @@ from s2sad.infer.types import BOOL
 from s2sad.liveness import Accesses, Liveness, base_name, targets
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.loops.hoist_allocations import is_allocation
-from s2sad.program import SourcePlace
+from s2sad.program import Snapshots, SourcePlace
 from s2sad.tree import (
     AST, Assign, Attribute, Break, Call, Eq, Expr, For, FunctionDef, GtE, If, Name, Return, Subscript, While, assign,
     at, attribute, call, call_name, compare, const, copy, dump, function, index, known, name, names, rebuild, replica,
@@ -37,14 +37,14 @@ from s2sad.tree import (
 class OutlinedLoop:
     """A loop over calls of its body's function: `step` is the call's statement in it, which binds `results` and, where
     the body may leave the loop, `left`; `carried` are the numbers that go from one step to the next, `outputs` those
-    that the loop returns; `snapshots` is how many states are kept."""
+    that the loop returns; `snapshots` are the states that are kept."""
     loop: AST
     step: AST
     results: tuple[str, ...]
     left: str
     carried: tuple[str, ...]
     outputs: tuple[str, ...]
-    snapshots: int
+    snapshots: Snapshots
 
     @property
     def callee(self) -> str:
@@ -81,28 +81,28 @@ class _Outlining:
     def statement(self, statement: AST) -> list[AST]:
         if isinstance(statement, (For, While)):
             snapshots = self.snapshots(statement)
-            if snapshots:
+            if snapshots is not None:
                 return [at(s, statement) for s in self.loop(statement, snapshots)]
         if isinstance(statement, For):
             self.bound.add(statement.target.id)
         self.bound |= {t.id for t in targets(statement) if isinstance(t, Name)}
         return [with_blocks(statement, self.block)] if isinstance(statement, (For, If, While)) else [statement]
 
-    def snapshots(self, loop: AST) -> int:
-        """How many snapshots a loop keeps; 0 for one that records as others do."""
+    def snapshots(self, loop: AST) -> Snapshots | None:
+        """The snapshots that a loop keeps; None for one that records as others do."""
         wanted = self.context.callees.checkpoints
         if not wanted or getattr(loop, "lineno", None) is None:
-            return 0
+            return None
         own = {(s.lineno, s.col_offset) for s in walk_statements(loop.body) if getattr(s, "lineno", None)}
         if own == {(loop.lineno, loop.col_offset)}:     # made of the loop's head, as a copy before its first iteration
-            return 0
+            return None
         empty = not _quiet(loop.body)
         at_place = SourcePlace.of(self.context.report.source, loop)
         place = at_place.path, at_place.line, at_place.column
         self.context.callees.outlined_at.add(place)
-        return 0 if empty else wanted.get(place, 0)
+        return None if empty else wanted.get(place)
 
-    def loop(self, loop: AST, snapshots: int) -> list[AST]:
+    def loop(self, loop: AST, snapshots: Snapshots) -> list[AST]:
         """The call of the loop's function, which is made."""
         self.refuse(loop)
         before: list[AST] = []
@@ -143,7 +143,7 @@ class _Outlining:
             return made
         return loop
 
-    def made(self, loop: AST, taken: list[str], results: list[str], snapshots: int) -> list[AST]:
+    def made(self, loop: AST, taken: list[str], results: list[str], snapshots: Snapshots) -> list[AST]:
         """The functions of a loop whose step takes and gives these, and the call."""
         title = f"{self.context.kernel.name}_{loop.target.id if isinstance(loop, For) else 'while'}"
         breaks = any(isinstance(s, Break) for s in walk_of_loop(loop.body))
