@@ -117,7 +117,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
                       kept.public]
         found |= {"taped": kept.taped.name, "stacks": kept.stacks}
     printed = module(in_dialect(functions, units), header=header(derived, request, units),
-                     constants=program.constants, standalone=request.standalone)
+                     constants={**program.constants, **units.tables()}, standalone=request.standalone)
     found["functions"] = printed.functions
     sources += [unit.kernel.source] * (len(functions) - len(sources))
     found["guards"], found["places"] = line_table(printed, sources)

@@ -135,18 +135,35 @@ class DemandedFacts(Exception):
         self.facts, self.error = facts, error
 
 
+Table = tuple[tuple[int, int], ...]
+NOTHING = (-1, -1)      # the entry behind the entries for a step
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """A schedule for a number of steps: how many rows it needs, whether it asks for a disk, and its entries, each a
+    step and the row of the state before it."""
+    title: str
+    steps: int
+    rows: int
+    on_disk: bool
+    entries: Table
+
+
 @dataclass(frozen=True)
 class Snapshots:
     """How many states a loop keeps in place of a tape, as `checkpoint` and `timesteps` take it.
 
-    Args: count, how many; on_disk, a folder in which files hold them, through memory maps: they have no name there, are
-    no one else's, and are gone when the call is over, however it ends.
+    Args: count, how many, or a schedule object of the package checkpoint-schedules; on_disk, a folder in which files
+    hold them, through memory maps: they have no name there, are no one else's, and are gone when the call is over,
+    however it ends. Literature: Griewank and Walther, ACM TOMS 26, 2000; Maddison, J. Comput. Sci. 82, 2024.
 
-    >>> Snapshots(20, on_disk="/scratch")
-    Snapshots(count=20, on_disk='/scratch')
+    >>> Snapshots(20, on_disk="/scratch").on_disk
+    '/scratch'
     """
-    count: int
+    count: Any
     on_disk: str | os.PathLike[str] | None = None
+    schedule: Schedule | None = None    # the table of one
 
 
 Checkpoints = tuple[tuple[str, Snapshots], ...]     # loops as the user calls them

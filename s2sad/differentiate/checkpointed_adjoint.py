@@ -34,6 +34,7 @@ from s2sad.infer.types import INT, UNKNOWN, Type, array
 from s2sad.liveness import base_name
 from s2sad.naming import Names
 from s2sad.normalize.calls.outlining import OutlinedLoop
+from s2sad.program import Table
 from s2sad.tree import (
     AST, Add, And, BoolOp, Break, Call, Eq, Expr, For, FunctionDef, If, Mod, Mult, Or, Return, Slice, Sub, While, add,
     assign, attribute, augment, binary, call, comment, compare, const, copy, counted_for, function, index, name, names,
@@ -62,9 +63,8 @@ class CheckpointedAdjoint:
         self.stored = {n: self.new(f"{n}_snapshots", array(typing.table[n].dtype, typing.table[n].rank + 1))
                        for n in step.state}
         self.again = {n: self.new(f"{n}_again", typing.table[n]) for n in step.state if typing.table[n].is_array}
-        self.held, self.count, self.trips, self.following, self.gap = (
-            self.new(n, t) for n, t in (("held", array("int64", 1)), ("count", INT), ("trips", INT),
-                                        ("following", INT), ("gap", INT)))
+        self.held_steps = self.bookkeeping()
+        self.trips = self.new("trips", INT)
         self.places = loop.snapshots.count
         self.kept = self.new("kept", UNKNOWN)
         self.counter = loop.loop.target.id if isinstance(loop.loop, For) else ""
@@ -75,12 +75,22 @@ class CheckpointedAdjoint:
     def new(self, hint: str, kind: Type) -> str:
         return self.typing.declare(self.free.fresh(hint), kind)
 
+    def bookkeeping(self) -> list[str]:
+        """Names of what is known of the states that are kept; those that the second half is given are returned."""
+        self.held, self.count, self.following, self.gap = (self.new(n, t) for n, t in (
+            ("held", array("int64", 1)), ("count", INT), ("following", INT), ("gap", INT)))
+        return [self.held, self.count]
+
+    def constants(self) -> dict[str, Table]:
+        """The tables that the text holds."""
+        return {}
+
     # -- forward -----------------------------------------------------------------------------------------------------
 
     def forward(self, title: str) -> FunctionDef:
         """The first half: it returns what the loop returns, and what it keeps."""
         body = self.counted() if self.loop.is_counted else self.uncounted()
-        kept = tuple_of(*map(name, (self.held, self.count, self.trips, *self.stored.values())))
+        kept = tuple_of(*map(name, (*self.held_steps, self.trips, *self.stored.values())))
         unset = [assign(n, const(self.typing.table[n].zero)) for n in self.loop.outputs if n not in self.parameters]
         returned: AST = tuple_of(*map(name, self.loop.outputs), kept) if self.loop.outputs else kept
         return function(title, list(self.parameters), [*unset, *body, Return(returned)])
@@ -93,12 +103,15 @@ class CheckpointedAdjoint:
                              compare(name(self.trip), Eq(), sub(name(self.trips), const(1)))])
         body: list[AST] = [If(last, self.keep(self.trip, name(self.trips)), []), copy(self.loop.step)]
         rows = call("builtins.min", const(self.places + 1), name(self.trips))
-        before: list[AST] = [assign(self.trips, call("builtins.len", copy(loop.iter))), *self.allocated(rows),
-                             assign(self.count, const(0)), assign(self.following, const(0))]
-        if not self.plain:
-            before.append(assign(self.trip, const(0)))
-            body.append(augment(self.trip, Add(), const(1)))
-        return [*before, self.around(body)]
+        before: list[AST] = [assign(self.trips, call("builtins.len", copy(loop.iter))), self.allocated_steps(rows),
+                             *self.allocated(rows), assign(self.count, const(0)), assign(self.following, const(0))]
+        return [*before, *self.with_trips(body)]
+
+    def with_trips(self, body: list[AST]) -> list[AST]:
+        """The loop over a body, with its trips counted."""
+        if self.plain:
+            return [self.around(body)]
+        return [assign(self.trip, const(0)), self.around([*body, augment(self.trip, Add(), const(1))])]
 
     def uncounted(self) -> list[AST]:
         """A loop whose number of steps shows in the end."""
@@ -114,7 +127,8 @@ class CheckpointedAdjoint:
         if self.loop.left:
             body.append(If(name(self.loop.left), [Break()], []))
         zeros = [assign(n, const(0)) for n in (self.count, self.trips)]
-        return [*self.allocated(const(self.places + 1)), *zeros, assign(self.gap, const(1)), self.around(body)]
+        return [self.allocated_steps(self.rows()), *self.allocated(self.rows()), *zeros, assign(self.gap, const(1)),
+                self.around(body)]
 
     def around(self, body: list[AST]) -> AST:
         loop = self.loop.loop
@@ -122,9 +136,13 @@ class CheckpointedAdjoint:
             return For(loop.target, copy(loop.iter), body, [], None)
         return While(copy(loop.test), body, [])
 
+    def allocated_steps(self, rows: AST) -> AST:
+        """The array of the steps before which states are kept."""
+        return assign(self.held, call("numpy.empty", copy(rows), name("numpy.int64")))
+
     def allocated(self, rows: AST) -> list[AST]:
-        """The arrays of snapshots, and that of the steps before which they are."""
-        made: list[AST] = [assign(self.held, call("numpy.empty", copy(rows), name("numpy.int64")))]
+        """The arrays of snapshots."""
+        made: list[AST] = []
         for value, snapshots in self.stored.items():
             kind = self.typing.table[value]
             if kind.is_array and self.loop.snapshots.on_disk is not None:
@@ -161,11 +179,9 @@ class CheckpointedAdjoint:
     def reverse(self, title: str) -> Derivative:
         """The second half: it takes what the first one keeps as its last argument."""
         signature, before, after = self.signature()
-        last = index(name(self.held), sub(name(self.count), const(1)))
         body = [comment("the state before this step, by the steps from the last one that is kept"),
-                *self.run_again(last), *self.step_adjoint(),
-                If(compare(copy(last), Eq(), name(self.trip)), [augment(self.count, Sub(), const(1))], [])]
-        kept = tuple_of(*map(name, (self.held, self.count, self.trips, *self.stored.values())))
+                *self.state_before(), *self.step_adjoint(), *self.state_after()]
+        kept = tuple_of(*map(name, (*self.held_steps, self.trips, *self.stored.values())))
         backwards = counted_for(self.trip, [sub(name(self.trips), const(1)), const(-1), const(-1)], body)
         returned = [p for p in self.request.wrt if self.typing.table[p].is_number]
         values: list[AST] = [name(self.shadows[p]) for p in returned]
@@ -176,17 +192,25 @@ class CheckpointedAdjoint:
         return Derivative(made, self.shadows, signature, returned, rows=self.rows(),
                           snapshots={s: n for n, s in self.stored.items()})
 
-    def run_again(self, last: AST) -> list[AST]:
-        """The steps from `last`, the last one before which the state is kept; others are kept on the way."""
+    def state_before(self) -> list[AST]:
+        """The state before a step, by the steps from the last state that is kept; others are kept on the way."""
         again = self.new("again", INT)
+        last = index(name(self.held), sub(name(self.count), const(1)))
         end = add(name(self.trip), const(1))
         run = [If(compare(name(again), Eq(), name(self.following)), self.keep(again, copy(end), self.again), []),
                self.called(name(again))]
-        row = sub(name(self.count), const(1))
-        loaded = [assign(index(name(self.again[n]), Slice(None, None, None)) if n in self.again else n,
-                         index(name(s), copy(row))) for n, s in self.stored.items()]
-        return [*loaded, assign(self.following, self.next_kept(copy(last), end)),
+        return [*self.loaded(sub(name(self.count), const(1))), assign(self.following, self.next_kept(copy(last), end)),
                 counted_for(again, [copy(last), name(self.trip)], run)]
+
+    def state_after(self) -> list[AST]:
+        """A state is given up when its step is reversed."""
+        last = index(name(self.held), sub(name(self.count), const(1)))
+        return [If(compare(last, Eq(), name(self.trip)), [augment(self.count, Sub(), const(1))], [])]
+
+    def loaded(self, row: AST) -> list[AST]:
+        """The state of a row, where steps run again."""
+        return [assign(index(name(self.again[n]), Slice(None, None, None)) if n in self.again else n,
+                       index(name(s), copy(row))) for n, s in self.stored.items()]
 
     def signature(self) -> tuple[list[tuple[str, str, str]], list[AST], list[AST]]:
         """The parameters; the shadows that are bound before the steps, and what is added behind them."""

@@ -28,7 +28,9 @@ import numpy as np
 from s2sad.diagnostics import HOME, warn_once
 from s2sad.live_objects.guards import ABSENT, STEPS, Guards, VaryingNumber, layout, reached, recording, taken
 from s2sad.infer.types import Type
-from s2sad.program import EntrySummary, Generated, Kernel, Parameter, Request, Snapshots, SourcePlace, TextGuard
+from s2sad.program import (
+    EntrySummary, Generated, Kernel, Parameter, Request, Schedule, Snapshots, SourcePlace, TextGuard,
+)
 from s2sad.live_objects.registry import GIVEN
 from s2sad.run import store
 from s2sad.pytree import PyTree
@@ -42,7 +44,7 @@ _LONGEST = 4096         # items of a list: more are not written out
 _READINGS = 8           # of one function: for so many sets of constants
 _FOLLOWING = frozenset(("root", "function", "kernel", "given", "bound"))     # steps that follow from what was taken
 _WRITTEN: dict[str, type] = {c.__name__: c for c in (
-    Type, PyTree, Parameter, EntrySummary, Request, Snapshots, TextGuard, SourcePlace)}
+    Type, PyTree, Parameter, EntrySummary, Request, Schedule, Snapshots, TextGuard, SourcePlace)}
 _FACTS = ("wrappers", "stacks", "taped", "independent", "guards", "places", "folders")
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from s2sad import tree
 from s2sad.emit.literals import needs_numpy
 from s2sad.emit.paste import RuntimeFunction
@@ -36,7 +38,11 @@ def spell(identifier: str, spelling: Mapping[str, str] = SPELLING) -> str:
 
 
 def literal(value: Any) -> tree.AST:
-    """The tree of a constant's value."""
+    """The tree of a constant's value; a table is an array."""
+    if isinstance(value, np.ndarray):
+        return tree.call("numpy.array", literal(value.tolist()))
+    if isinstance(value, list):
+        return tree.List(list(map(literal, value)), tree.Load())
     return tree.tuple_of(*map(literal, value)) if isinstance(value, tuple) else tree.const(value)
 
 
@@ -61,8 +67,8 @@ def module_spelling(uses: OutsideUses, constants: Mapping[str, tree.AST], pieces
         spelling[f"given.{key}"] = names.fresh(key.rpartition(".")[2])
     libraries = {library for library in ("math", "numpy") if uses.room(library)}
     libraries = libraries.union(*(piece.libraries for piece in pieces))
-    if any(needs_numpy(node.value) for value in constants.values() for node in tree.walk(value)
-           if isinstance(node, tree.Constant)):
+    if any(needs_numpy(node.value) if isinstance(node, tree.Constant) else isinstance(node, tree.Call)
+           for value in constants.values() for node in tree.walk(value)):
         libraries.add("numpy")
     for library in sorted(libraries):
         spelling[library] = names.fresh({"numpy": "np"}.get(library, library))

@@ -12,12 +12,13 @@ import numpy as np
 from s2sad.dispatch.arguments import misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, misfit_of
+from s2sad.interface.schedules import is_schedule, schedule_of
 from s2sad.live_objects.unwrap import python_function
 from s2sad.program import Checkpoints, Snapshots
 
 RETURN = "return"
 Wrt = str | int | Iterable[str | int] | None
-Checkpoint = Mapping[str, int | Snapshots] | Iterable[tuple[str, int | Snapshots]] | None
+Checkpoint = Mapping[str, Any] | Iterable[tuple[str, Any]] | None
 
 
 class Selection(NamedTuple):
@@ -149,7 +150,10 @@ def checkpoints_of(chosen: Checkpoint) -> Checkpoints:
 def _snapshots_of(loop: Any, chosen: Any) -> Snapshots:
     """How many snapshots a loop keeps, and where."""
     snapshots = chosen if isinstance(chosen, Snapshots) else Snapshots(chosen)
-    count, folder = snapshots.count, snapshots.on_disk
+    count, folder, schedule = snapshots.count, snapshots.on_disk, snapshots.schedule
+    if is_schedule(count):
+        schedule = schedule_of(count)
+        count = schedule.rows
     if not isinstance(loop, str) or isinstance(count, bool) or not isinstance(count, (int, np.integer)):
         raise _unclear(f"checkpoint holds {loop!r}: {chosen!r}")
     if count < 1:
@@ -158,7 +162,10 @@ def _snapshots_of(loop: Any, chosen: Any) -> Snapshots:
     if folder is not None and not isinstance(folder, (str, os.PathLike)):
         raise S2sadError(Diagnostic("S408", f"checkpoint holds {loop!r}: {chosen}, which names no folder",
                                     help='give its path: s2sad.Snapshots(20, on_disk="/scratch")'))
-    return Snapshots(int(count), None if folder is None else os.fspath(folder))
+    if schedule is not None and schedule.on_disk and folder is None:
+        raise S2sadError(Diagnostic("S408", f"the schedule {schedule.title} of {loop!r} uses a disk, and there is no "
+                                    "folder", help='give one: s2sad.Snapshots(schedule, on_disk="/scratch")'))
+    return Snapshots(int(count), None if folder is None else os.fspath(folder), schedule)
 
 
 def _unclear(message: str) -> S2sadError:

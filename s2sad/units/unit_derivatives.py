@@ -3,6 +3,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from s2sad import simplify
 from s2sad.analyze import ACTIVITY, PASSES as ANALYSES
 from s2sad.analyze.activity import Activity, activity_of
@@ -13,6 +15,7 @@ from s2sad.analyze.request import DerivativeRequest
 from s2sad.analyze.unbounded_values import UnboundedValues, unbounded_values_of
 from s2sad.differentiate import PASSES as DIFFERENTIATION
 from s2sad.differentiate.checkpointed_adjoint import CheckpointedAdjoint, StepDerivative
+from s2sad.differentiate.scheduled_adjoint import ScheduledAdjoint
 from s2sad.differentiate.context import DifferentiationContext
 from s2sad.differentiate.derivative import Derivative
 from s2sad.differentiate.implicit import Residual, solution_of, implicit_refusal
@@ -25,6 +28,7 @@ from s2sad.naming import Names
 from s2sad.normalize.calls.global_arrays import hidden_arrays
 from s2sad.normalize.calls.outlining import OutlinedLoop
 from s2sad.passes import Passes, run
+from s2sad.program import Table
 from s2sad.simplify import DerivativeContext, Effect, Effects
 from s2sad.simplify.wide_accumulators import uses_float32
 from s2sad.tree import Call, For, FunctionDef, Return, Tuple, user_call, walk_statements
@@ -58,11 +62,16 @@ class Units(NormalForms):
     derived: dict[tuple, UnitDerivative] = field(default_factory=dict)
     forwards: dict[str, str] = field(default_factory=dict)
     unbounded_tables: dict[str, UnboundedValues] = field(default_factory=dict)
+    schedules: dict[str, Table] = field(default_factory=dict)     # tables that texts hold
 
     def without_derivatives(self) -> Units:
         """The same units with nothing derived: no text depends on what was derived before it."""
         return replace(self, made=dict(self.made), titled=dict(self.titled), titles=self.titles.copy(),
-                       effects=Effects(dict(self.effects.table)), derived={}, forwards={})
+                       effects=Effects(dict(self.effects.table)), derived={}, forwards={}, schedules={})
+
+    def tables(self) -> dict[str, np.ndarray]:
+        """The tables of schedules that the texts read, by name."""
+        return {name: np.array(table) for name, table in self.schedules.items()}
 
     def derive(self, mode: str, unit: Unit, request: DerivativeRequest, flat: bool = False) -> UnitDerivative:
         key = (mode, unit.title, request, flat)
@@ -119,11 +128,13 @@ class Units(NormalForms):
             if name not in typing.table:
                 typing.declare(name, kind)
         found = StepDerivative(parameters, pattern.arguments, pattern.results, adjoint, state)
-        halves = CheckpointedAdjoint(loop, found, [p.id for p in unit.function.args.args], request, typing, names)
+        kind = CheckpointedAdjoint if loop.snapshots.schedule is None else ScheduledAdjoint
+        halves = kind(loop, found, [p.id for p in unit.function.args.args], request, typing, names)
         forward = halves.forward(self.titles.fresh(f"{unit.title}_forward"))
         made = halves.reverse(title)
         for function in (forward, made.function):
             self.effects.add(function, typing)
+        self.schedules |= halves.constants()
         callee = replace(self._callee(made, request, typing), forward=f"user.{forward.name}",
                          results=len(loop.outputs), is_loop=True)
         return UnitDerivative(callee, made.function, made, unit, context.activity, dict(typing.table), request,

@@ -17,7 +17,7 @@ def _optimum(steps: int, places: int) -> int:
     return repeats * steps - comb(places + repeats, places + 1) + steps
 
 
-def _revolved(steps: int, places: int) -> tuple[int, list[int]]:
+def revolved(steps: int, places: int) -> tuple[int, list[int]]:
     """The runs of a loop of which the length is known, and the steps in the order in which they are reversed."""
     held: list[int] = []
     runs = following = 0
@@ -55,7 +55,7 @@ def _reversed(steps: int, places: int, held: list[int]) -> tuple[int, list[int]]
 def test_revolve_runs_steps_as_few_times_as_can_be(places):
     """All are run once forwards, the last one too, for what stands behind the loop: one more than the optimum."""
     for steps in range(1, 301):
-        runs, order = _revolved(steps, places)
+        runs, order = revolved(steps, places)
         assert runs == _optimum(steps, places) + 1, steps
         assert order == list(range(steps))[::-1]
 
@@ -63,7 +63,7 @@ def test_revolve_runs_steps_as_few_times_as_can_be(places):
 def test_published_ratios():
     """Of a thousand steps (Griewank and Walther 2000), to the digits that are printed."""
     for places, ratio in {5: 7.28, 10: 4.62, 20: 3.74, 40: 3.09, 60: 2.94}.items():
-        assert (_revolved(1000, places)[0] - 1) / 1000 == pytest.approx(ratio, abs=0.02)
+        assert (revolved(1000, places)[0] - 1) / 1000 == pytest.approx(ratio, abs=0.02)
 
 
 def test_a_million_steps_are_counted_without_overflow():

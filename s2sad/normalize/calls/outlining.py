@@ -147,6 +147,10 @@ class _Outlining:
         """The functions of a loop whose step takes and gives these, and the call."""
         title = f"{self.context.kernel.name}_{loop.target.id if isinstance(loop, For) else 'while'}"
         breaks = any(isinstance(s, Break) for s in walk_of_loop(loop.body))
+        if snapshots.schedule is not None and (breaks or isinstance(loop, While)):
+            self.context.report.error("S408", "how many steps this loop runs shows in the end, and a schedule is for a "
+                                      "number that is known", loop, help="give a number of snapshots")
+            self.context.report.finish()
         left = self.typing.declare(self.context.names.fresh("left"), BOOL) if breaks else ""
         bound = [*results, *([left] if left else [])]
         steps, known_here = self.with_known_sizes(loop, taken)
