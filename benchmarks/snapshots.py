@@ -24,7 +24,7 @@ from benchmarks.kernels.brusselator import brusselator, integrate
 from benchmarks.kernels.cases import ARRAYS, field
 from benchmarks.memory import MIB, STATUS, resident
 from benchmarks.tables import Table, verdict
-from s2sad.runtime import revolve
+from s2sad.runtime import crowded, runs_again
 
 FEW, ROUNDS = 500, 20           # steps of which the times of one are taken, and how often
 MOST = 1.1          # of the predicted time
@@ -90,19 +90,12 @@ def forward_runs(steps: int, snapshots: int, counted: bool) -> int:
         while comb(snapshots + repeats, snapshots) < steps:
             repeats += 1
         return repeats * steps - comb(snapshots + repeats, snapshots + 1) + 1
-    gap, most = 1, max(1, 3 * snapshots // 4)
-    while (steps + gap - 1) // gap > most:
-        gap *= 2
-    held, runs = list(range(0, steps, gap)), steps
-    for step in range(steps - 1, -1, -1):
-        last = held[-1]
-        if last < step:
-            runs += step - last
-            while (last := revolve(last, step + 1, snapshots - len(held))) < step:
-                held.append(last)
-            held.append(step)
-        held.pop()
-    return runs
+    gap = step = 1
+    while step < steps:
+        while step % gap == 0 and crowded(step, gap, snapshots):
+            gap *= 2
+        step += gap - step % gap
+    return steps + runs_again(steps, gap, snapshots)
 
 
 def main(name: str, steps: int, snapshots: int) -> None:

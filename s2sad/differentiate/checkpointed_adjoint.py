@@ -115,14 +115,13 @@ class CheckpointedAdjoint:
 
     def uncounted(self) -> list[AST]:
         """A loop whose number of steps shows in the end."""
-        most = max(1, 3 * self.places // 4)
         turn = compare(binary(name(self.trips), Mod(), name(self.gap)), Eq(), const(0))
-        full = BoolOp(And(), [turn, compare(name(self.count), Eq(), const(most))])
+        crowded = BoolOp(And(), [turn, call("runtime.crowded", name(self.trips), name(self.gap), const(self.places))])
         rows = [self.held, *self.stored.values()]
         thinned: list[AST] = [Expr(call("runtime.thin", name(r), name(self.count))) for r in rows[:-1]]
         thinned += [assign(self.count, call("runtime.thin", name(rows[-1]), name(self.count))),
                     assign(self.gap, binary(const(2), Mult(), name(self.gap)))]
-        body: list[AST] = [If(full, thinned, []), If(copy(turn), self.keep(self.trips, None), []),
+        body: list[AST] = [While(crowded, thinned, []), If(copy(turn), self.keep(self.trips, None), []),
                            copy(self.loop.step), augment(self.trips, Add(), const(1))]
         if self.loop.left:
             body.append(If(name(self.loop.left), [Break()], []))

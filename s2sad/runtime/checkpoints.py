@@ -27,6 +27,40 @@ def revolve(step, end, free):
     return step + max(before, steps - (most - less), min(less, steps - (less - before)), 1)
 
 
+def crowded(step, gap, places):
+    """Whether half of the states suffice, of those before steps 0, gap, 2 gap, ..., if the loop ends
+    in the middle of the next gap: then fewer steps are run again, for more places are free.
+
+    >>> [step for step in range(40) if crowded(step, 1, 8)][:1], crowded(32, 4, 8), crowded(24, 4, 8)
+    ([8], True, False)
+    """
+    count = step // gap
+    if count >= places:
+        return True
+    if count % max(1, places // 16) > 0:  # it need not be asked often
+        return False
+    steps = step + gap // 2 + 1
+    return runs_again(steps, 2 * gap, places) < runs_again(steps, gap, places)
+
+
+def runs_again(steps, gap, places):
+    """How many runs of steps it takes to reverse them, where those of 0, gap, 2 gap, ... are held.
+
+    >>> runs_again(1000, 1000, 20), runs_again(1000, 100, 20), runs_again(4, 1, 4)
+    (2747, 1856, 0)
+    """
+    runs = 0
+    for start in range(0, steps, gap):
+        length = min(gap, steps - start)
+        repeats, most = 0, 1
+        while most < length:
+            repeats += 1
+            most = most * (places + repeats) // repeats
+        runs += repeats * length - most * repeats // (places + 1)
+        places -= 1
+    return runs
+
+
 def thin(kept, count):
     """The number of states that are left where every second one of the first `count` is kept, moved to the front.
 
