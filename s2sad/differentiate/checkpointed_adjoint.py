@@ -79,7 +79,7 @@ class CheckpointedAdjoint:
         """Names of what is known of the states that are kept; those that the second half is given are returned."""
         self.held, self.count, self.following, self.gap = (self.new(n, t) for n, t in (
             ("held", array("int64", 1)), ("count", INT), ("following", INT), ("gap", INT)))
-        return [self.held, self.count]
+        return [self.held, self.count] if self.stored else []
 
     def constants(self) -> dict[str, Table]:
         """The tables that the text holds."""
@@ -89,11 +89,23 @@ class CheckpointedAdjoint:
 
     def forward(self, title: str) -> FunctionDef:
         """The first half: it returns what the loop returns, and what it keeps."""
-        body = self.counted() if self.loop.is_counted else self.uncounted()
+        body = self.stateless() if not self.stored else self.counted() if self.loop.is_counted else self.uncounted()
         kept = tuple_of(*map(name, (*self.held_steps, self.trips, *self.stored.values())))
         unset = [assign(n, const(self.typing.table[n].zero)) for n in self.loop.outputs if n not in self.parameters]
         returned: AST = tuple_of(*map(name, self.loop.outputs), kept) if self.loop.outputs else kept
         return function(title, list(self.parameters), [*unset, *body, Return(returned)])
+
+    def stateless(self) -> list[AST]:
+        """A loop of which the steps' adjoints read nothing that steps change: none is run again."""
+        body: list[AST] = [copy(self.loop.step)]
+        if self.loop.is_counted:
+            return [assign(self.trips, call("builtins.len", copy(self.loop.loop.iter))), self.around(body)]
+        return [assign(self.trips, const(0)), self.around([*body, *self.next_trip()])]
+
+    def next_trip(self) -> list[AST]:
+        """The end of a trip, which may be the last one."""
+        counted = augment(self.trips, Add(), const(1))
+        return [counted, If(name(self.loop.left), [Break()], [])] if self.loop.left else [counted]
 
     def counted(self) -> list[AST]:
         """A loop whose number of steps is known: as many states are kept as there is room for, where Revolve says so,
@@ -122,9 +134,7 @@ class CheckpointedAdjoint:
         thinned += [assign(self.count, call("runtime.thin", name(rows[-1]), name(self.count))),
                     assign(self.gap, binary(const(2), Mult(), name(self.gap)))]
         body: list[AST] = [While(crowded, thinned, []), If(copy(turn), self.keep(self.trips, None), []),
-                           copy(self.loop.step), augment(self.trips, Add(), const(1))]
-        if self.loop.left:
-            body.append(If(name(self.loop.left), [Break()], []))
+                           copy(self.loop.step), *self.next_trip()]
         zeros = [assign(n, const(0)) for n in (self.count, self.trips)]
         return [self.allocated_steps(self.rows()), *self.allocated(self.rows()), *zeros, assign(self.gap, const(1)),
                 self.around(body)]
@@ -178,8 +188,9 @@ class CheckpointedAdjoint:
     def reverse(self, title: str) -> Derivative:
         """The second half: it takes what the first one keeps as its last argument."""
         signature, before, after = self.signature()
-        body = [comment("the state before this step, by the steps from the last one that is kept"),
-                *self.state_before(), *self.step_adjoint(), *self.state_after()]
+        body = self.step_adjoint() if not self.stored else [
+            comment("the state before this step, by the steps from the last one that is kept"),
+            *self.state_before(), *self.step_adjoint(), *self.state_after()]
         kept = tuple_of(*map(name, (*self.held_steps, self.trips, *self.stored.values())))
         backwards = counted_for(self.trip, [sub(name(self.trips), const(1)), const(-1), const(-1)], body)
         returned = [p for p in self.request.wrt if self.typing.table[p].is_number]

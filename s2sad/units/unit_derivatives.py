@@ -128,7 +128,7 @@ class Units(NormalForms):
             if name not in typing.table:
                 typing.declare(name, kind)
         found = StepDerivative(parameters, pattern.arguments, pattern.results, adjoint, state)
-        kind = CheckpointedAdjoint if loop.snapshots.schedule is None else ScheduledAdjoint
+        kind = ScheduledAdjoint if loop.snapshots.schedule is not None and state else CheckpointedAdjoint
         halves = kind(loop, found, [p.id for p in unit.function.args.args], request, typing, names)
         forward = halves.forward(self.titles.fresh(f"{unit.title}_forward"))
         made = halves.reverse(title)

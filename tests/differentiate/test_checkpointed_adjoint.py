@@ -168,6 +168,14 @@ def test_only_live_state_is_kept():
     assert "held, count, trips, u_snapshots, t_snapshots = kept" in text
 
 
+@pytest.mark.parametrize("kernel", [time_loops.linear_until, time_loops.linear_left], ids=lambda k: k.__name__)
+def test_no_step_runs_again_where_its_adjoint_reads_no_state(kernel):
+    kept = s2sad.differentiate(kernel, engine="numpy", checkpoint=dict.fromkeys(LOOPS[kernel], 3))
+    text = kept.adjoint_source(*_given(kernel, 5))
+    loop = text[text.index(":\n", text.index("_loop_adjoint(")):text.index("def linear_", text.index("_loop_adjoint("))]
+    assert "(trips,) = kept" in loop and "_step(" not in loop and "u_before" not in text
+
+
 @pytest.mark.parametrize(("kernel", "kept"), [
     (time_loops.work_array, "u"), (time_loops.filled_row_by_row, "u"), (time_loops.swapped, "v u_1"),
     (time_loops.flags_and_integers, "u flag m"), (time_loops.bound_counted_down, "u n e"), (time_loops.rebound, "u_1"),

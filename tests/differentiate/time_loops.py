@@ -207,6 +207,29 @@ def endless(u, c, n):
     return np.sum(u) * k
 
 
+def linear(u, c, n):
+    a = np.eye(u.size) + c * np.ones((u.size, u.size))
+    for k in range(n):
+        u[:] = a @ u / (k + 2.0)
+    return np.sum(u)
+
+
+def linear_until(u, c, n):
+    t = 0.0
+    while t < n * 0.1:
+        u[1:] = 0.5 * u[1:] + 0.25 * u[:-1]
+        t += 0.1
+    return np.sum(u) * c
+
+
+def linear_left(u, c, n):
+    for k in range(n):
+        u *= 0.5
+        if k > 4:
+            break
+    return np.sum(u) * c
+
+
 def _while_of(kernel) -> str:
     """What a user calls the `while` of a kernel."""
     lines, first = inspect.getsourcelines(kernel)
@@ -220,4 +243,5 @@ LOOPS = {
     bounds_that_change: ("_k",), bound_counted_down: ("_k",), bound_in_the_loop_alone: ("k",),
     until_a_time: (_while_of(until_a_time),), part_of_one_element: ("i",), row_of_means: ("_k",),
     complex_numbers: ("k",), solutions: ("_k",), endless: (_while_of(endless),),
+    linear: ("k",), linear_until: (_while_of(linear_until),), linear_left: ("k",),
 }
