@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from s2sad.report.bench import Bench as Bench, bench as bench
     from s2sad.report.check import Checked as Checked, check as check
     from s2sad.report.explain import Explanation as Explanation, explain as explain
+    from s2sad.run.memory import Memory as Memory
 
 __version__ = "0.1.0"
 _HOMES = {
@@ -41,6 +42,7 @@ _HOMES = {
     "report.bench": ("Bench", "bench"),
     "report.check": ("Checked", "check"),
     "report.explain": ("Explanation", "explain"),
+    "run.memory": ("Memory",),
     "interface.loop_marks": ("timesteps",),
     "program": ("Snapshots",),
     "interface.drivers": ("gradient", "jvp", "make_zero", "value_and_gradient", "vjp"),
@@ -48,9 +50,9 @@ _HOMES = {
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [
     "Active", "BatchDuplicated", "Bench", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed",
-    "Explanation", "Forward", "ForwardWithPrimal", "Reverse", "ReverseWithPrimal", "S2sadError", "S2sadWarning",
-    "Snapshots", "autodiff", "bench", "check", "differentiate", "explain", "gradient", "jvp", "make_zero",
-    "nondifferentiable", "rule", "timesteps", "value_and_gradient", "vjp",
+    "Explanation", "Forward", "ForwardWithPrimal", "Memory", "Reverse", "ReverseWithPrimal", "S2sadError",
+    "S2sadWarning", "Snapshots", "autodiff", "bench", "check", "differentiate", "explain", "gradient", "jvp",
+    "make_zero", "nondifferentiable", "rule", "timesteps", "value_and_gradient", "vjp",
 ]
 
 

@@ -27,6 +27,7 @@ from s2sad.emit.dialect import in_dialect
 from s2sad.emit.header import documented, header
 from s2sad.emit.module import module
 from s2sad.emit.origins import with_origins
+from s2sad.emit.recorded_arrays import recorded_arrays, snapshot_loop
 from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.infer.types import Type, of_value
 from s2sad.normalize.calls.global_arrays import global_arrays, hidden_name
@@ -34,13 +35,16 @@ from s2sad.diagnostics import Diagnostic, S2sadError, WaitingForFacts
 from s2sad.evaluate.specialize import specialize
 from s2sad.live_objects.guards import recording
 from s2sad.read import of_captured
-from s2sad.program import DemandedFacts, EntrySummary, Generated, Parameter, Program, Request, Snapshots
+from s2sad.program import (
+    DemandedFacts, EntrySummary, Generated, Parameter, Program, RecordedArray, Request, SnapshotLoop,
+    Snapshots,
+)
 from s2sad.run.user_functions_in_numba import compilable
 from s2sad.naming import Names
 from s2sad.passes import Watch, run, unwatched
 from s2sad.simplify import DerivativeContext
 from s2sad.tree import Call, FunctionDef, call_name, names, user_call, walk
-from s2sad.units import Place, UnitDerivative, Unit, Units, check_outlined, loops_that_keep
+from s2sad.units import Place, UnitDerivative, Unit, Units, check_outlined, loops_that_keep, user_names
 
 __all__ = ["EntrySummary", "derive", "summary"]
 
@@ -121,10 +125,28 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     found["functions"] = printed.functions
     sources += [unit.kernel.source] * (len(functions) - len(sources))
     found["guards"], found["places"] = line_table(printed, sources)
+    if request.mode == "adjoint":
+        spelled = dict(zip((f.name for f in functions), (f.name for f in printed.functions)))
+        found["recorded"], found["loops"] = recorded(derived, units, spelled, "" if kept is None else kept.taped.name)
     parameters = tuple(Parameter(hidden_name(n, units.program) if role == "primal" else n, role,
                                  hidden_name(p, units.program), derived.types[n])
                        for n, role, p in derived.made.parameters)
     return Generated(printed.text, derived.function.name, parameters, tuple(derived.made.returns), found)
+
+
+def recorded(entered: UnitDerivative, units: Units, spelled: Mapping[str, str], taped: str
+             ) -> tuple[tuple[RecordedArray, ...], tuple[SnapshotLoop, ...]]:
+    """What the functions of a module record, which are `spelled` so there, and the loops that keep snapshots."""
+    arrays: list[RecordedArray] = []
+    loops: list[SnapshotLoop] = []
+    called = units.program.once(user_names)
+    for d in units.derived.values():
+        own = [d.function.name, *(f.name for f in d.beside), *([taped] if taped and d is entered else [])]
+        own = [spelled[f] for f in own if f in spelled]
+        arrays += recorded_arrays(d, own, called)
+        if d.unit.loop is not None and d.made.trips:
+            loops.append(snapshot_loop(d, spelled[d.beside[0].name], called))
+    return tuple(arrays), tuple(loops)
 
 
 def fast(derived: UnitDerivative, units: Units) -> FunctionDef:

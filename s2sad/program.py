@@ -232,6 +232,31 @@ class TextGuard:
 
 
 @dataclass(frozen=True)
+class RecordedArray:
+    """An array of a generated module that holds a "tape" or "snapshots" (`kind`): the function and its name there, the
+    derivative of which that is a part, the place of the loop whose steps fill it and what a user calls that loop (None
+    and "" outside of loops)."""
+    function: str
+    name: str
+    kind: str
+    derivative: str
+    place: SourcePlace | None = None
+    loop: str = ""
+
+
+@dataclass(frozen=True)
+class SnapshotLoop:
+    """A loop that keeps `snapshots`: the function of a generated module that runs it, what a user calls it, its place,
+    the name that holds the number of steps, and whether that is known before the first one."""
+    function: str
+    loop: str
+    place: SourcePlace | None
+    snapshots: Snapshots
+    steps: str
+    is_counted: bool
+
+
+@dataclass(frozen=True)
 class Generated:
     """A generated module: its text, the entry function's name and signature, and what is to be reported.
 

@@ -200,7 +200,7 @@ class CheckpointedAdjoint:
             assign(kept, name(self.kept)), *before, *allocated, backwards, *after,
             *([Return(tuple_of(*values))] if values else [])])
         return Derivative(made, self.shadows, signature, returned, rows=self.rows(),
-                          snapshots={s: n for n, s in self.stored.items()})
+                          snapshots={s: n for n, s in self.stored.items()}, trips=self.trips)
 
     def state_before(self) -> list[AST]:
         """The state before a step, by the steps from the last state that is kept; others are kept on the way."""

@@ -11,7 +11,7 @@ from s2sad.tree import AST, FunctionDef
 class Derivative:
     """A derivative: the function, the shadow of every name, its parameters as (name, role, primal), its returns; the
     lists of what a user's first halves keep, each with the call; the arrays that sum what shadows gain; of a loop that
-    keeps snapshots, the arrays of these, each with what it keeps, and how many."""
+    keeps snapshots, the arrays of these, each with what it keeps, how many, and the name of the number of steps."""
     function: FunctionDef
     shadows: dict[str, str]
     parameters: list[tuple[str, str, str]] = field(default_factory=list)
@@ -21,3 +21,4 @@ class Derivative:
     sums: set[str] = field(default_factory=set)
     snapshots: dict[str, str] = field(default_factory=dict)
     rows: AST | None = None
+    trips: str = ""

@@ -13,6 +13,7 @@ from s2sad.program import Generated, Parameter
 from s2sad.live_objects.registry import RegisteredRule
 from s2sad.run.compiled import compiled, prepare
 from s2sad.run.exceptions import CAUGHT, ExceptionMeanings
+from s2sad.run.memory import Memory, footprint, memory_of
 from s2sad.run.module_loader import keep_loaded, load
 from s2sad.run.overlap import Check, Slot
 from s2sad.run.through_python import files_emptied_on_error
@@ -140,6 +141,10 @@ class Executable:
             return () if self._only is None else self.check((arguments[self._only],))
         shared = self.check(self._pick(arguments))
         return tuple(self.array_places[k] for k in shared)
+
+    def memory(self, values: Mapping[str, Any], copies: int = 0) -> Memory:
+        """What a call takes for these values of the kernel's parameters by name, of which the caller makes `copies`."""
+        return memory_of(self.generated, footprint(self.generated, values, self._written), copies)
 
     def prepare(self, arguments: Sequence[Any]) -> None:
         """Compiles for the types of these arguments, or reads Numba's cache."""

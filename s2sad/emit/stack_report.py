@@ -44,8 +44,9 @@ class StackEntry:
         return text(rename(product, self.family)) + (" per push" if self.grows else "")
 
     @property
-    def bytes_each(self) -> int:
-        return np.dtype(self.dtype).itemsize
+    def bytes_of_number(self) -> int | None:
+        """The bytes of a number that lies in no array; None of what does."""
+        return None if self.grows or len(self.factors) > 1 else np.dtype(self.dtype).itemsize
 
 
 def recorded_by(derived: UnitDerivative) -> list[StackEntry]:

@@ -16,6 +16,7 @@ from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
 from s2sad.program import Checkpoints
 from s2sad.interface.selection import RETURN, Checkpoint, Wrt, checkpoints_of, names_of
 from s2sad.live_objects.unwrap import apply_functions
+from s2sad.run.memory import Memory
 from s2sad.run.tracebacks import public
 from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
 
@@ -97,6 +98,12 @@ class _Driver(Decorated):
 
     def __repr__(self) -> str:
         return f"<{self._what} of {getattr(self.__wrapped__, '__name__', 'f')}>"
+
+    @public
+    def memory(self, *args: Any, **keywords: Any) -> Memory:
+        """The memory that a call with these arguments takes, found before anything runs: see `Memory`."""
+        entry, args = _prepared(self.__wrapped__, self._carrier, self._derivatives, self._names, args, keywords)
+        return entry.memory(args)
 
     def _value_and_gradient(self, args: tuple[Any, ...], keywords: dict[str, Any]) -> tuple[Any, Any]:
         entry, args = _prepared(self.__wrapped__, self._carrier, self._derivatives, self._names, args, keywords)

@@ -15,6 +15,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError, warn
 from s2sad.dispatch.executable import Executable
 from s2sad.infer.types import NONE, TEXT
 from s2sad.program import Request
+from s2sad.run.memory import Memory
 from s2sad.interface.selection import (
     RETURN, ReturnedValues, Selection, array_seed, number_seed, places, result_seed, selected_of, selected_wrt,
     seeds_by_position,
@@ -126,6 +127,14 @@ class ReverseCall(PreparedCall):
             if place in by_place:
                 shadows[name] += array_seed(RETURN, by_place.pop(place), values[name])
         return values, shadows, [by_place.get(k, 0.0) for k in self.seed_places]
+
+    def memory(self, args: Sequence[Any]) -> Memory:
+        """What a call takes, with the copies and the shadows that it makes."""
+        values = self.values_of(args)
+        by_name = {**dict(zip(self.names, values)), **self.state.arrays_by_name()}
+        copied = [*(self.names[k] for k in self.written), *self.rv.shadows,
+                  *(n for n in self.summary.written if n not in self.names)]
+        return self.rv.memory(by_name, sum(by_name[n].nbytes for n in copied))
 
     def gradients(self, shadows: dict[str, Any], returned: tuple[Any, ...]) -> dict[str, Any]:
         scalars = dict(zip(self.rv.generated.returns, returned))

@@ -18,7 +18,6 @@ import numpy as np
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, array, of_value
 from s2sad.program import Kernel
-from s2sad.report.sizes import Shape
 from s2sad.pytree import Form, PyTree, steps
 
 _LARGEST = 2 ** 63
@@ -32,6 +31,16 @@ _BINARY: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow}
 _HELP = ('write numbers, np.ones((4, 4)), np.zeros, np.full, np.arange, np.linspace, np.eye, np.array([1.0]), or a '
          'shape, as --arguments "u=np.ones((512, 512)), steps=100" or "u: float64[512, 512], steps: 100"')
+
+
+class Shape:
+    """An array of which the shape is known and the content is not."""
+
+    def __init__(self, shape: tuple[int, ...], dtype: Any):
+        self.shape, self.dtype, self.ndim, self.size = shape, np.dtype(dtype), len(shape), math.prod(shape)
+
+    def __len__(self) -> int:
+        return self.shape[0]
 
 
 def evaluate_arguments(text: str, parameters: Sequence[str], floats: Collection[str] = ()) -> dict[str, Any]:

@@ -16,7 +16,6 @@ from s2sad.interface.drivers import gradient, vjp
 from s2sad.interface.value_calls import ForwardCall, selection_of
 from s2sad.program import Request
 from s2sad.report.explain import Explanation, explain_program
-from s2sad.report.findings import byte_text
 from s2sad.report.output import check_output, write_output
 from s2sad.report.picture import drawn, kind_of
 from s2sad.report.measured_call import MeasuredCall
@@ -24,6 +23,7 @@ from s2sad.report.slopes import ReferenceSlopes, Slopes, reason
 from s2sad.report.vector_function import split, vector_of
 from s2sad.report.timing import Times, on_one_core, sampled, seconds
 from s2sad.interface.selection import RETURN, ReturnedValues, Wrt
+from s2sad.run.memory import byte_text
 from s2sad.run.tracebacks import public
 
 _STEPS, _FORWARD = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10), 1e-8

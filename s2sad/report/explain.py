@@ -11,13 +11,13 @@ from s2sad import pipeline
 from s2sad.dispatch.arguments import kernel_value
 from s2sad.interface.pytrees import Carrier, flat_call
 from s2sad.live_objects.guards import current
-from s2sad.normalize.calls.global_arrays import hidden_arrays
+from s2sad.normalize.calls.global_arrays import hidden_arrays, hidden_name
 from s2sad.program import Evaluation, Program, Request
 from s2sad.live_objects.unwrap import apply_functions
-from s2sad.report.findings import Findings, FoundPlace, findings, byte_text
+from s2sad.report.findings import Findings, FoundPlace, findings
 from s2sad.report.listing import Listing, listings
 from s2sad.report.page import page
-from s2sad.report.sizes import sizes_of
+from s2sad.run.memory import Footprint, LoopRuns, byte_text, footprint, loop_runs
 from s2sad.run.compiled import chosen
 from s2sad.interface.selection import Wrt, names_of, selected_of, selected_wrt
 from s2sad.run.tracebacks import public
@@ -34,18 +34,22 @@ class Explanation:
     functions: tuple[Findings, ...]
     listings: tuple[Listing, ...]
     evaluated: tuple[str, ...] = ()         # what was computed before the run, a line each
+    taken: Footprint | None = None          # the memory of a call with the arguments
+    runs: tuple[LoopRuns, ...] = ()         # of the steps of loops that keep snapshots
 
     def __str__(self) -> str:
-        head = f"{self.title}\nrecords {self.tape}"
+        head = "\n".join([f"{self.title}\nrecords {self.tape}", *map(str, self.runs)])
         if self.evaluated:
             head += "\n\n" + "\n".join(["computed before the run", *(f"  {line}" for line in self.evaluated)])
         return "\n\n".join([head, *("\n".join(_lines(f)) for f in self.functions)])
 
     @property
     def bytes(self) -> int | None:
-        """The bytes that are recorded at one time, as far as they are known: those of the entry, and of the one among
-        the derivatives that it calls that takes most. None where none are known."""
-        return _peak_bytes(self.functions[0].name, {f.name: f for f in self.functions}, {})
+        """The bytes that are recorded at one time, as far as they are known; None where none are."""
+        stacks = [s for f in self.functions for s in f.recorded]
+        if self.taken is None or stacks and all(s.grows or s.bytes is None for s in stacks):
+            return None
+        return self.taken.recorded
 
     @property
     def tape(self) -> str:
@@ -122,16 +126,19 @@ def explain_program(program: Program, request: Request, arguments: Mapping[str, 
     """The report on a program and a request; with arguments by name also on the bytes these take."""
     made = pipeline.derive(program, request)
     units, entry = made.facts["units"], made.facts["derived"]
-    sizes = {}
+    taken = None
     if arguments is not None:
-        outside = {p: current(program.arrays[a]) for p, a in hidden_arrays(units.program).items()}
-        sizes = sizes_of(units, entry.unit, {**arguments, **outside})
+        outside = {hidden_name(p, units.program): current(program.arrays[a])
+                   for p, a in hidden_arrays(units.program).items()}
+        parameters = [hidden_name(p.id, units.program) for p in entry.unit.function.args.args]
+        taken = footprint(made, {**arguments, **outside}, {parameters[k] for k in entry.unit.summary.written})
     derived = [entry, *(d for d in units.derived.values() if d is not entry)]
     title = (f"{request.mode.capitalize()} of {entry.unit.kernel.name}: d({', '.join(request.of) or 'nothing'}) / "
              f"d({', '.join(request.wrt) or 'nothing'}), engine {request.engine}")
-    found = tuple(findings(d, sizes.get(d.unit.title), request.engine) for d in derived)
+    found = tuple(findings(d, taken, request.engine) for d in derived)
     evaluated = () if program.evaluation is None else tuple(_evaluated(program.evaluation, program))
-    return Explanation(title, found, listings(program, made, {f.name: f for f in found}), evaluated)
+    return Explanation(title, found, listings(program, made, {f.name: f for f in found}), evaluated, taken,
+                       () if taken is None else loop_runs(made, taken))
 
 
 def _evaluated(found: Evaluation, program: Program) -> Iterator[str]:
@@ -146,18 +153,6 @@ def _evaluated(found: Evaluation, program: Program) -> Iterator[str]:
         known = f"{path} = {said}" if what == "value" else f"{path}.shape = {said}" if what == "shape" else (
             f"{path} {what}" if value else f"not {path} {what}")
         yield f"made for {known}; anything else makes another derivative"
-
-
-def _peak_bytes(name: str, functions: Mapping[str, Findings], known: dict[str, int | None]) -> int | None:
-    """The bytes that a derivative and those it calls hold at one time, as far as they are known; a derivative's own
-    last as long as its call."""
-    if name not in known:
-        known[name] = None
-        found = functions[name]
-        own = [s.bytes for s in found.recorded if s.bytes is not None and not s.grows]
-        inner = [b for n in found.calls if n in functions for b in [_peak_bytes(n, functions, known)] if b is not None]
-        known[name] = sum(own) + max(inner, default=0) if own or inner else None
-    return known[name]
 
 
 # -- text -----------------------------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from s2sad.liveness import targets
 from s2sad.emit.origins import text_of
 from s2sad.emit.stack_report import StackEntry, recorded_by
 from s2sad.report.kinks import kinks
-from s2sad.report.sizes import SizeEvaluator
+from s2sad.run.memory import Footprint, byte_text
 from s2sad.rules.transforms import TRANSFORMS
 from s2sad.tree import (
     AST, AnnAssign, Assign, AugAssign, Expr, For, Name, call_name, is_comment, names, stored_names, walk,
@@ -42,7 +42,8 @@ class Verdict:
 
 @dataclass(frozen=True)
 class RecordedValue:
-    """A recorded value; `bytes` for concrete arguments, of one push if it `grows`, None if not known."""
+    """A recorded value; `bytes` for concrete arguments, of one push if it `grows` and nobody knows how often, None if
+    not known."""
     name: str
     what: str
     dtype: str
@@ -57,21 +58,12 @@ class RecordedValue:
         """The bytes in words, and where they are known also the number."""
         if self.dtype == "any":
             return "bytes known only at run time"
-        each = self.formula.replace(" per push", "")
-        counted = "" if self.bytes is None or each == str(self.bytes) else f"{byte_text(self.bytes)} = "
-        return f"{counted}{each} bytes" + (" per push, the number of pushes is known only at run time"
-                                           if self.grows else "")
-
-
-def byte_text(count: int) -> str:
-    """A number of bytes, in MB from a tenth of one on.
-
-    >>> byte_text(2880), byte_text(8_000_000), byte_text(1_234_567_890)
-    ('2,880 bytes', '8.00 MB', '1,235 MB')
-    """
-    if count < 100_000:
-        return f"{count:,} bytes"
-    return f"{count / 1e6:,.{max(0, 9 - len(str(count)))}f} MB" if count >= 1_000_000 else f"{count / 1e6:.2f} MB"
+        pushed = self.formula.endswith(" per push")
+        each = self.formula.removesuffix(" per push")
+        known = self.bytes is not None and (each != str(self.bytes) or pushed and not self.grows)
+        counted = f"{byte_text(self.bytes or 0)}{', ' if pushed and not self.grows else ' = '}" if known else ""
+        return f"{counted}{each} bytes" + (" per push" if pushed else "") + (
+            ", the number of pushes is known only at run time" if self.grows else "")
 
 
 @dataclass(frozen=True)
@@ -108,8 +100,8 @@ class Findings:
     calls: tuple[str, ...] = ()
 
 
-def findings(derived: UnitDerivative, sizes: SizeEvaluator | None, engine: str) -> Findings:
-    """The table of one derivative; `sizes` for concrete arguments, None without any."""
+def findings(derived: UnitDerivative, taken: Footprint | None, engine: str) -> Findings:
+    """The table of one derivative; `taken` is the memory for concrete arguments, None without any."""
     unit = derived.unit
     reads = [(n, p) for n, role, p in derived.made.parameters if role != "primal"]
     names_wrt = [p for n, p in reads if p in derived.activity.active or p in derived.made.returns]
@@ -119,7 +111,7 @@ def findings(derived: UnitDerivative, sizes: SizeEvaluator | None, engine: str) 
     return Findings(
         derived.function.name, unit.kernel.name, unit.kernel.source.path,
         tuple(dict.fromkeys([*names_wrt, *(r for r in derived.made.returns if r in unit.typing.table)])), tuple(of),
-        tuple(_verdicts(derived)), tuple(_recorded(derived, sizes)),
+        tuple(_verdicts(derived)), tuple(_recorded(derived, taken)),
         tuple(_recomputed(derived)), dropped, later, tuple(_loops(derived)),
         tuple(Kink(place_of(s, unit), what) for s, what in kinks(unit, derived.activity)),
         tuple(dict.fromkeys(_interpreted(unit))) if engine == "numba" else (),
@@ -195,16 +187,20 @@ def _verdict(versions: list[str], derived: UnitDerivative) -> tuple[bool, str]:
 
 # -- what is recorded, and what is not ------------------------------------------------------------------------------
 
-def _recorded(derived: UnitDerivative, sizes: SizeEvaluator | None) -> list[RecordedValue]:
+def _recorded(derived: UnitDerivative, taken: Footprint | None) -> list[RecordedValue]:
     """The stacks, the largest first, then those that grow."""
-    found = [*(_stacked(r, derived.unit, sizes) for r in recorded_by(derived)), *_saved_lists(derived)]
+    found = [*(_stacked(r, derived, taken) for r in recorded_by(derived)), *_saved_lists(derived)]
     return sorted(found, key=lambda s: (s.grows, -(s.bytes or 0)))
 
 
-def _stacked(recorded: StackEntry, unit: Unit, sizes: SizeEvaluator | None) -> RecordedValue:
+def _stacked(recorded: StackEntry, derived: UnitDerivative, taken: Footprint | None) -> RecordedValue:
+    unit = derived.unit
     needed = tuple(dict.fromkeys(place_of(s, unit) for s in recorded.readers))
+    stack = None if taken is None else taken.stack(derived.function.name, recorded.array)
+    known = recorded.bytes_of_number if stack is None else stack.each if stack.unknown else stack.bytes
     return RecordedValue(recorded.array, recorded.what, recorded.dtype, place_of(recorded.statement, unit), needed,
-                         recorded.formula, None if sizes is None else sizes.bytes(recorded), recorded.grows)
+                         recorded.formula, None if taken is None or known == 0 and not taken.is_complete else known,
+                         recorded.grows and (stack is None or stack.unknown))
 
 
 def _saved_lists(derived: UnitDerivative) -> Iterator[RecordedValue]:

@@ -16,7 +16,8 @@ from s2sad.analyze.to_be_recorded import has_adjoint
 from s2sad.differentiate.adjoint import REVERSE
 from s2sad.emit.module import FunctionLines
 from s2sad.program import Generated, Kernel, Program
-from s2sad.report.findings import Findings, FoundPlace, RecordedValue, byte_text
+from s2sad.report.findings import Findings, FoundPlace, RecordedValue
+from s2sad.run.memory import byte_text
 from s2sad.tree import (
     AST, Assign, AugAssign, Constant, Expr, For, FunctionDef, If, Return, While, is_comment, names, stmt, walk,
 )

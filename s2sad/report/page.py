@@ -13,8 +13,9 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
-from s2sad.report.findings import Findings, FoundPlace, byte_text
+from s2sad.report.findings import Findings, FoundPlace
 from s2sad.report.listing import Listing
+from s2sad.run.memory import byte_text
 
 _PLACEHOLDER = re.compile("@(title|text|data)@")
 

@@ -64,6 +64,17 @@ def check_outlined(program: Program, kept: Collection[Place], there: Collection[
                                         loop.place.span(), help="leave it out of 'checkpoint'"))
 
 
+def user_names(program: Program) -> Mapping[Place, str]:
+    """What a user may call each loop."""
+    there = loops_of(program)
+    found: dict[Place, str] = {}
+    for loop in there:
+        shown = loop.shown(program.entry).strip('"')
+        several = {place_of(other) for other in there if other.is_called(shown, program.entry)}
+        found[place_of(loop)] = shown if len(several) == 1 else f"line {loop.place.line}"
+    return found
+
+
 def _said(program: Program) -> Mapping[Place, Snapshots]:
     """The loops of which the text says that they keep snapshots."""
     there = {loop.place for loop in loops_of(program)}

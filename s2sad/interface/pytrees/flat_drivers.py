@@ -14,6 +14,7 @@ from s2sad.interface.pytrees.flat_selection import Path
 from s2sad.interface.pytrees.flatten import Flattened
 from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
 from s2sad.interface.selection import RETURN
+from s2sad.run.memory import Memory
 
 
 class FlatGradient:
@@ -30,6 +31,12 @@ class FlatGradient:
             shadows, returned = call.run(values, {RETURN: 1.0})
             found = _by_argument(flattened, self.f, self.names, paths, call, args, call.gradients(shadows, returned))
         return returned[0], found[paths[0][0]] if self.is_single(paths) else found
+
+    def memory(self, args: Sequence[Any]) -> Memory:
+        """What a call takes."""
+        with self.flattened.user_paths():
+            _, call, values = _reverse(self.flattened, self.f, args, (RETURN,), self.names, True)
+            return call.memory(values)
 
     def is_single(self, paths: Sequence[Path]) -> bool:
         """Whether there is one gradient, which is returned without a dictionary."""
