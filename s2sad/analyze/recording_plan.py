@@ -76,8 +76,7 @@ class RecordingPlan:
 @dataclass
 class RecordingProblem:
     """The tables, what the adjoint of each statement reads, what each statement stores, whether its adjoint runs in the
-    state that it leaves, and whether a call fills an array, each time the same elements, before it reads it; `quick`
-    if loops run so fast that recording takes longer than running them again."""
+    state that it leaves, and whether a call fills an array, each time the same elements, before it reads it."""
     structure: ProgramStructure
     dependence: Dependence
     active: Callable[[AST], bool]
@@ -85,7 +84,6 @@ class RecordingProblem:
     writes: Callable[[AST], list[AST]]
     after: Callable[[AST], bool] = reads_own_result
     refills: Callable[[AST, str], bool] = lambda statement, array: False
-    quick: bool = False
 
     @cached_property
     def loads(self) -> dict[str, list[tuple[StatementPlace, AST]]]:

@@ -30,7 +30,7 @@ from s2sad.liveness import base_name, targets
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, For, FunctionDef, Return, const, index, name
 
-_WORTH = 3  # the forward sweep runs the loop as well if numbers or elements flow: so much less must be recorded
+_WORTH = 2  # the forward sweep runs the loop as well if numbers or elements flow: so much less must be recorded
 
 
 def to_be_recorded(function: FunctionDef, context: AnalysisContext) -> None:
@@ -60,7 +60,7 @@ def _problem(context: AnalysisContext) -> RecordingProblem:
         return refilled_in_loops(statement, array, structure, calls)
 
     return RecordingProblem(structure, Dependence(structure), lambda s: has_adjoint(s, typing, active), reads_of,
-                            writes, calls.adjoint_after, refills, quick=context.in_loops)
+                            writes, calls.adjoint_after, refills)
 
 
 def has_adjoint(statement: AST, typing: Typing, active: frozenset[str]) -> bool:
@@ -104,7 +104,7 @@ def _lighter(plan: RecordingPlan, loop: For, problem: RecordingProblem) -> Recor
     if arrays is None:
         return plan
     flows = bool(arrays) or carries(loop, problem.structure)
-    if flows and (not problem.quick or is_expensive(loop, problem.structure)):
+    if flows and is_expensive(loop, problem.structure):
         return plan
     worth = _WORTH if flows else 1
     if worth * sum(weight_of(Snapshot(loop, array), problem.structure) for array in arrays) >= plan.weight:
