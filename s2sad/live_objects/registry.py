@@ -58,7 +58,7 @@ class RegisteredDerivative:
     """A user's own derivative of the function `title`: `functions` of the user's by what they do ("adjoint", "tangent",
     "forward", "reverse", "solver"), or the `residual` that the function makes zero, with the name of the `solver` of
     the linear system. A function that is called as it is, and not read, is among them as "primal"; it `writes` these
-    arguments and `returns` so many floats.
+    arguments and `returns` so many floats. It is `repeatable` if it does the same each time that its arguments are.
 
     `roles` says of each parameter of a function what it is: ("primal", its name), ("shadow", its primal's name),
     ("seed", its own name) or ("kept", ""); `texts` has what the text of each says, where it is known.
@@ -71,6 +71,7 @@ class RegisteredDerivative:
     solver: str = ""
     writes: tuple[str, ...] = ()
     returns: int = 0
+    repeatable: bool = False
 
     def name(self, what: str) -> str:
         """The name in trees of one of the functions."""

@@ -88,6 +88,11 @@ def _member(module: types.ModuleType, name: str) -> Any:
     return taken(module, "attribute", name) if value is ABSENT else value
 
 
+def is_read(value: Any) -> bool:
+    """Whether a function or a class of this package is read like a user's."""
+    return GIVEN.own(value) is not None or value.__module__ == "s2sad.evaluate.random_numbers"
+
+
 def live_meaning(name: str, value: Any) -> Meaning:
     """What a live value means to a kernel that names it."""
     if isinstance(value, VaryingNumber):
@@ -103,7 +108,7 @@ def live_meaning(name: str, value: Any) -> Meaning:
         return Library(path)
     if isinstance(value, functools.partial) and _home(value.func) in ("numba", "s2sad"):
         value = value.func
-    if _home(value) in ("numba", "s2sad") and named_function(value) in (None, value):
+    if _home(value) in ("numba", "s2sad") and named_function(value) in (None, value) and not is_read(value):
         word = getattr(value, "__name__", name)
         if value.__module__.startswith("s2sad.runtime"):
             return Library(f"runtime.{word}")

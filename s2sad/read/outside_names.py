@@ -179,7 +179,8 @@ class OutsideNames:
                 self._as_value(node, text)
         elif called and path.startswith(("numpy.random.", "random.")):
             self._refuse(f"'{text}' draws random numbers, or begins a sequence of them", node,
-                         "draw them before, and give them to the kernel as an argument: both sweeps read the same ones")
+                         "begin it in the kernel, rng = np.random.default_rng(1), or draw them before and give them "
+                         "to the kernel as an argument: both sweeps read the same ones")
         elif root not in ("numpy", "math", "runtime") and (called or rest):
             self._refuse(f"'{text}' is not a function that s2sad can read", node, "write it with numpy and math, or "
                          f"give its derivative: s2sad.rule(\"{path}(x)\", x=...)")

@@ -190,7 +190,7 @@ def _runtime(module_name: str, bounds: bool) -> dict[str, Any]:
             copy.__qualname__, copy.__module__ = value.__qualname__, value.__module__
             fastmath = {"reassoc"} if identifier in _ANY_ORDER else False
             run = value if _is_interpreted(value) else copy     # the interpreter calls nothing that is compiled
-            space[identifier] = through_python(identifier) or _jit(run, bounds, False, fastmath, inline)
+            space[identifier] = through_python(value) or _jit(run, bounds, False, fastmath, inline)
         elif (value.__module__ or "").startswith(_RUNTIME):
             space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
     return space

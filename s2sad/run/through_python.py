@@ -1,5 +1,5 @@
-"""Runtime functions that compiled code calls through Python, since Numba cannot compile them: what SciPy solves, and
-memory that is mapped to files.
+"""Runtime functions that compiled code calls through Python, since Numba cannot compile them: what SciPy solves,
+what NumPy draws, and memory that is mapped to files.
 
 Compiled code that raises lets go of nothing that it holds: files that it has mapped are emptied then, by who calls it.
 """
@@ -11,9 +11,11 @@ import threading
 import weakref
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 from s2sad import runtime
+from s2sad.runtime.random_sequences import FUNCTIONS, TANGENTS, cleared
 
 
 def _solving(numba: Any) -> Any:
@@ -96,10 +98,21 @@ def _mapped(array: Any, rows: int, folder: str) -> Any:
     return found
 
 
-_MAKERS: dict[str, Callable[[Any], Any]] = {"sparse_solve": _solving, "on_disk": _mapping}
+def _drawing(function: Any, numba: Any) -> Any:
+    """A draw of random numbers, by NumPy's generators."""
+    objmode = numba.objmode
+
+    def called(*arguments):
+        with objmode():
+            function(*arguments)
+    return numba.njit(called)
 
 
-def through_python(identifier: str) -> Any:
-    """The function for compiled code; None for one that Numba compiles as it stands."""
-    maker = _MAKERS.get(identifier)
+_MAKERS: dict[Any, Callable[[Any], Any]] = {runtime.sparse_solve: _solving, runtime.on_disk: _mapping, **{
+    f: partial(_drawing, f) for f in (*FUNCTIONS, *TANGENTS.values(), cleared)}}
+
+
+def through_python(function: Any) -> Any:
+    """A function of the runtime for compiled code; None for one that Numba compiles as it stands."""
+    maker = _MAKERS.get(function)
     return None if maker is None else maker(importlib.import_module("numba"))

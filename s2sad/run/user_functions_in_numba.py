@@ -17,6 +17,7 @@ from s2sad.read.linker import header_of
 from s2sad.live_objects.registry import GIVEN, ROOM, RegisteredRule
 from s2sad.rules import constant_result
 from s2sad.run.special_functions import register, used
+from s2sad.run.through_python import through_python
 from s2sad.tree import Call, call_name, walk
 from s2sad.units import Unit, Units
 
@@ -70,7 +71,9 @@ def _codes(code: CodeType) -> Iterator[CodeType]:
 def for_numba(function: Any, flags: dict[str, Any]) -> Any:
     """A registered function as compiled code can call it: a Python function compiled, anything else as it is."""
     register(used({"function": function}))
-    return importlib.import_module("numba").njit(**flags)(function) if isinstance(function, FunctionType) else function
+    if not isinstance(function, FunctionType):
+        return function
+    return through_python(function) or importlib.import_module("numba").njit(**flags)(function)
 
 
 def checked_constants(module: ModuleType, registered: tuple[RegisteredRule, ...]) -> ModuleType:

@@ -169,7 +169,7 @@ class NormalForms(Calls):
         written = tuple(k for k, p in enumerate(parameters) if p in own.writes)
         summary = UnitSummary(written, results, {}, tuple(edges), True)
         return Unit(kernel, title, types, tree, typing, {}, Names(table), tree, structure_of(tree, typing), summary,
-                    runs_once=True, has_state=True)
+                    runs_once=not own.repeatable, has_state=not own.repeatable)
 
     def _summary(self, tree: FunctionDef, typing: Typing, kernel: Kernel) -> UnitSummary:
         parameters = [p.id for p in tree.args.args]

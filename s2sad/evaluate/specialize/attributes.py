@@ -82,7 +82,7 @@ def _of_data(ev: Evaluator, base: Data, name: str, node: AST) -> Value:
         if base.shape is not None and name != "size":
             rank = len(base.shape)
             return Data(made, known, shape.demands, count=rank) if name == "shape" else Data(made, rank)
-        return Data(made, known, shape.demands)
+        return Data(made, known, shape.demands, shape=None if name == "shape" else ())
     if name == "T":
         whole = base.shape
         return Data(made, shape=None if whole is None else whole[::-1], origins=base.origins)

@@ -115,6 +115,7 @@ class Evaluator(Operations):
         self.spread: set[AST] = set()                           # the expressions of which only items are taken
         self.returns: Callable[[AST, Value, Frame], None] = self.return_from_entry
         self.separate: Any = None                               # the functions that stay functions
+        self.shared_sequence: Any = None                        # of random numbers, where the program has begun it
         self.mentioned: dict[int, frozenset[str]] = {}          # the names in functions' texts
 
     # -- errors ------------------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate import random_numbers
 from s2sad.evaluate.effects import is_writing_call
 from s2sad.evaluate.mutating_calls import stored_out
 from s2sad.evaluate.specialize.control.choices import chosen
@@ -128,6 +129,8 @@ def _function(ev: Evaluator, function: FunctionValue, args: Sequence[Value], key
         return residual_call(ev, tree.at(tree.name(ev.residual_function(function, node)), node),
                              [*function.first, *args], {**dict(function.keywords), **keywords}, node)
     args, keywords = [*function.first, *args], {**dict(function.keywords), **keywords}
+    if function.captured.source.path == random_numbers.__file__:
+        return drawn(ev, function, args, keywords, node, f)
     found = ev.separate_call(function, args, keywords, node, f)
     return inlined(ev, function, args, keywords, node, f) if found is None else found
 
@@ -135,6 +138,19 @@ def _function(ev: Evaluator, function: FunctionValue, args: Sequence[Value], key
 def is_given(function: FunctionValue) -> bool:
     """Whether a function has a derivative of the user's own."""
     return function.handle is not None and GIVEN.own(function.handle) is not None
+
+
+def drawn(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywords: Mapping[str, Value], node: AST,
+          f: Frame) -> Value:
+    """What a function of random numbers gives, whose body is where it is called, as if it stood in the user's text."""
+    first = len(ev.block)
+    found = inlined(ev, function, args, keywords, node, f)
+    made = [*ev.block[first:], *([found.node] if isinstance(found, Data) else [])]
+    for inner in (n for m in made for n in tree.walk(m)):
+        inner.__dict__.pop("lineno", None)
+    for statement in made:
+        tree.at(statement, node)
+    return found
 
 
 def inlined(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywords: Mapping[str, Value], node: AST,

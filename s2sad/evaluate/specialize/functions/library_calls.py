@@ -12,6 +12,7 @@ from s2sad import tree
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.functions.known_options import with_known_options
+from s2sad.evaluate.specialize.functions.random_calls import random_call
 from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.sequences.known_shapes import of_call, origins, shape
 from s2sad.evaluate.specialize.sequences.generators import LAZY
@@ -58,10 +59,13 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
     if array is not None:
         return array
     if path.startswith(("numpy.random.", "random.")):
+        found = random_call(ev, path, args, keywords, node, f)
+        if found is not None:
+            return found
         called = node.func if isinstance(node, tree.Call) else node
         raise ev.outside_error(called, f"'{tree.written(called)}' draws random numbers, or begins a sequence of them",
-                               "draw them before, and give them to the kernel as an argument: both sweeps read the "
-                               "same ones")
+                               "begin it in the kernel, rng = np.random.default_rng(1), or draw them before and give "
+                               "them to the kernel as an argument: both sweeps read the same ones")
     if path.startswith("scipy.sparse."):
         ev.refused_sparse(path, False, node)
     if path.startswith(("builtins.", "math.")):

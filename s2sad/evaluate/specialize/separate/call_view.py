@@ -32,6 +32,10 @@ class NotSeparate(Exception):
     """A function cannot be one of its own for what it is given here, or does."""
 
 
+class Changes(NotSeparate):
+    """A function changes what it was given otherwise than by writing arrays."""
+
+
 @dataclass(frozen=True)
 class GivenLeaf:
     """An array or a number that a call gives: its name in the function, and what it is where the call is."""

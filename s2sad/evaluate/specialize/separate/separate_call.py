@@ -22,7 +22,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unbound, Unevaluated
 from s2sad.evaluate.specialize.frames import arguments_of
 from s2sad.evaluate.specialize.heap import Object
-from s2sad.evaluate.specialize.separate.call_view import CallView, NotSeparate
+from s2sad.evaluate.specialize.separate.call_view import CallView, Changes, NotSeparate
 from s2sad.evaluate.specialize.separate.needed_numbers import needed_numbers
 from s2sad.evaluate.specialize.separate.returned_parts import (
     Part, Returned, given_leaves, merged, rebound_names, returned_parts, returning, returns_in, together,
@@ -70,10 +70,6 @@ class _Again(Exception):
         self.key = key
 
 
-class _Changes(NotSeparate):
-    """A function changes what it was given otherwise than by writing arrays."""
-
-
 @operation
 def separate_call(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywords: Mapping[str, Value],
                   node: AST, f: Frame) -> Value | None:
@@ -106,7 +102,7 @@ def _make(ev: Evaluator, known: SeparateFunctions, view: CallView, definition: A
     try:
         known.made[view.key] = _evaluated(ev, known, view, definition, node)
         return set()
-    except _Changes:
+    except Changes:
         known.made[view.key] = None
         known.inlined.add(id(definition))
         ev.held.append(definition)
@@ -186,11 +182,11 @@ def _evaluated(ev: Evaluator, known: SeparateFunctions, view: CallView, definiti
             if leave.mark != NOWHERE:
                 raise
         if any(held.kind in KINDS for held in ev.heap.objects.values()):
-            raise _Changes("it makes a sparse matrix, whose places the caller has to look after")
+            raise Changes("it makes a sparse matrix, whose places the caller has to look after")
         body = with_tables(ev, without_unread_lists(ev.block))
         returned = returns_in(body, every)
         if any(isinstance(n, tree.Attribute) and isinstance(n.ctx, tree.Store) for n in tree.walk(body)):
-            raise _Changes("it gives an array another shape")
+            raise Changes("it gives an array another shape")
         if not returned or any(isinstance(ev.live[k], Data) for k in ev.live.keys() - live):
             raise NotSeparate("it never returns, or a list is made of what is outside")
         for r in returned:
@@ -211,7 +207,7 @@ def _evaluated(ev: Evaluator, known: SeparateFunctions, view: CallView, definiti
 
 
 def _check_unchanged(view: CallView, objects: Mapping[int, Object], touched: Collection[int]) -> None:
-    """Raises _Changes where an object that is given holds something else; one from outside holds from then on what was
+    """Raises Changes where an object that is given holds something else; one from outside holds from then on what was
     read of it."""
     for number, before in view.objects.items():
         after = objects[number]
@@ -221,7 +217,7 @@ def _check_unchanged(view: CallView, objects: Mapping[int, Object], touched: Col
         new = [v for k, v in after.items.items() if k not in before.items]
         outside = before.live is not None and number not in touched and all(map(_is_outside, new))
         if not same or new and not outside:
-            raise _Changes("it changes what it is given")
+            raise Changes("it changes what it is given")
 
 
 def _is_outside(value: Value) -> bool:
