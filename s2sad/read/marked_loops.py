@@ -14,7 +14,7 @@ from dataclasses import replace
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.program import Snapshots, SourcePlace
-from s2sad.read.outside_values import AST, Captured
+from s2sad.read.outside_values import AST, Captured, ModuleValue, dotted
 
 _MARK = "timesteps"
 
@@ -23,10 +23,12 @@ def unmarked(captured: Captured) -> Captured:
     """The definition without such marks."""
     if _MARK not in captured.source.text or not any(map(_marked, tree.walk(captured.tree))):
         return captured
+    marked = {name for n in tree.walk(captured.tree) if (call := _marked(n)) is not None and _is_ours(
+        name := tree.written(call.func), captured)}
     made = tree.copy(captured.tree)
     for node in tree.walk(made):
         call = _marked(node)
-        if call is not None:
+        if call is not None and tree.written(call.func) in marked:
             node.iter = call.args[0]
     return replace(captured, tree=made)
 
@@ -35,7 +37,7 @@ def snapshots_said(source: Source, wanted: Collection[SourcePlace]) -> Iterator[
     """Those of the places wanted at which a loop is marked in a source, and the snapshots that it keeps; raises
     S2sadError (S408)."""
     for part in (source, *source.others):
-        if _MARK not in part.text:
+        if _MARK not in part.text or f"def {_MARK}(" in part.text:
             continue
         for node in tree.walk(tree.parse(part.text)):
             call = _marked(node)
@@ -69,3 +71,16 @@ def _marked(node: AST) -> tree.Call | None:
     if not isinstance(call, tree.Call) or not call.args:
         return None
     return call if tree.written(call.func).rpartition(".")[2] == _MARK else None
+
+
+def _is_ours(name: str, captured: Captured) -> bool:
+    """Whether what is called is no function of the user's that has the same name."""
+    root = name.partition(".")[0]
+    if any(getattr(s, "name", "") == root for s in tree.walk_statements(captured.tree.body)):
+        return False
+    try:
+        meaning = captured.scope.lookup(root)
+    except S2sadError:
+        return True
+    path = meaning.name if isinstance(meaning, ModuleValue) else dotted(meaning) or ""
+    return meaning is None or path.partition(".")[0] == "s2sad"

@@ -343,6 +343,27 @@ def as_fields(g, dt):
     return dt ** 3 if p == q and g == g and not p != q else dt
 
 
+class Clock:
+    def __init__(self, end):
+        self.end, self.t = end, 0.0
+
+    def __iter__(self):
+        return self
+
+    def __next__(self):
+        if self.t >= self.end:
+            raise StopIteration
+        self.t += 0.3
+        return self.t
+
+
+def its_own_iterator(g, dt):
+    y = dt
+    for t in g:
+        y += dt * t
+    return y
+
+
 REFUSED = [
     (number_on_the_left, V, "an operator with an object on its right, and on its left what may be a number or an array "
      "of NumPy's, which would not ask its class"),
@@ -351,6 +372,7 @@ REFUSED = [
     (chained, V, "a chain of comparisons of structures"),
     (unpacked_fields, grid(), "an object of class Grid is gone through, which has no __iter__"),
     (unpacked_fields, Plain(0.5), "an object of class Plain is gone through, which has no __iter__"),
+    (its_own_iterator, Clock(1.0), "an object of class Clock says itself what comes next, by __next__"),
     (length_of_fields, Plain(0.5), "len() of an object of class Plain, whose class has no __len__"),
     (no_method, Given(0.3, 0.4), "no derivative rule for math.hypot with 1 arguments"),
 ]

@@ -184,7 +184,11 @@ def _of_object(ev: Evaluator, value: Reference, node: AST, f: Frame) -> list[Val
         title = made.name if made else "?"
         raise ev.refusal(node, f"an object of class {title} is gone through, which has no __iter__",
                          help="loop over what it holds")
-    return items_of(ev, ev.call(own, [], {}, node, f), node, f)
+    through = ev.call(own, [], {}, node, f)
+    if through == value:
+        raise ev.refusal(node, f"an object of class {made.name if made else '?'} says itself what comes next, by "
+                         "__next__", help="write __iter__ as a generator: yield each")
+    return items_of(ev, through, node, f)
 
 
 @operation
