@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.tree import AST, For, If, While, at
+from s2sad.tree import AST, For, If, Return, Tuple, While, at
 
 Blocks = Callable[[list[AST]], list[AST]]
 
@@ -26,3 +26,11 @@ def heads(statement: AST) -> list[AST]:
     return [statement.iter] if isinstance(statement, For) else [statement]
 
 
+
+
+def returned_values(block: list[AST]) -> list[AST]:
+    """What a function returns in its last statement, one after the other."""
+    last = block[-1] if block else None
+    if not isinstance(last, Return) or last.value is None:
+        return []
+    return list(last.value.elts) if isinstance(last.value, Tuple) else [last.value]

@@ -37,6 +37,7 @@ CODES = {
     "S406": "an active value is stored where no derivative is kept",
     "S407": "what was asked for cannot be written",
     "S408": "checkpoint names what is no loop, or one that cannot keep snapshots",
+    "S409": "a tape that cannot be used",
     # S5: while the kernel runs
     "S501": "values that do not fit each other, as sizes of arrays",
     # S9: ourselves

@@ -16,11 +16,10 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from s2sad import optimize
-from s2sad.liveness import base_name
 from s2sad.analyze.missing_shadows import missing_shadows
 from s2sad.deep_stack import deep_stack
 from s2sad.analyze.request import DerivativeRequest
+from s2sad.differentiate.augmented_primal import with_tape
 from s2sad.optimize.reusable_tape import ReusableTape, reusable_tape
 from s2sad.emit.line_table import line_table
 from s2sad.emit.dialect import in_dialect
@@ -41,10 +40,10 @@ from s2sad.program import (
 )
 from s2sad.run.user_functions_in_numba import compilable
 from s2sad.naming import Names
-from s2sad.passes import Watch, run, unwatched
-from s2sad.simplify import DerivativeContext
-from s2sad.tree import Call, FunctionDef, call_name, names, user_call, walk
+from s2sad.passes import Watch, unwatched
+from s2sad.tree import FunctionDef
 from s2sad.units import Place, UnitDerivative, Unit, Units, check_outlined, loops_that_keep, user_names
+from s2sad.units.fast_functions import aliased_derivatives, fast, fast_primal, fast_sweeps
 
 __all__ = ["EntrySummary", "derive", "summary"]
 
@@ -82,8 +81,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     if request.engine == "numba":
         compilable(units)
     if request.mode == "primal":
-        parameters = tuple(Parameter(hidden_name(p.id, units.program), "primal", p.id, t)
-                           for p, t in zip(unit.function.args.args, unit.types))
+        parameters = primals(unit, units)
         functions = primal_functions(units, [unit.title])
         if request.level == "fast" and request.engine == "numba":
             functions = [fast_primal(f, units) for f in functions]
@@ -94,9 +92,9 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
                          standalone=request.standalone)
         guards, places = line_table(printed, sources)
         return Generated(printed.text, unit.title, parameters, ("result",), {"guards": guards, "places": places})
-    wanted = DerivativeRequest(request.wrt, expanded(request.of, unit), request.with_primal)
+    wanted = DerivativeRequest(request.wrt, expanded(request.of, unit), request.with_primal, split=request.split)
     derived = units.derive(request.mode, unit, wanted)
-    made = [f for d in units.derived.values() for f in (d.function, *d.beside)]
+    made = [f for d in units.derived.values() for f in (d.function, *d.beside, *([d.forward] if d.forward else []))]
     found = facts(derived, request, units) | {"unshadowed": missing_shadows(
         unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges)}
 
@@ -112,7 +110,12 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         more = [*d.beside, *([] if d is derived else [documented(with_origins(final(d), d.unit.kernel.source), d)])]
         functions += more
         sources += [d.unit.kernel.source] * len(more)
-    entered = final(derived)
+    if derived.forward is None:
+        entered = final(derived)
+    else:
+        plain = request.level != "fast" or derived.function.name in sharing
+        forward, entered = (derived.forward, derived.function) if plain else fast_sweeps(derived, units)
+        functions.append(forward)
     kept = with_caller_tape(derived, entered, units) if request.level == "fast" else None
     if kept is None:
         functions.append(with_origins(entered, unit.kernel.source))
@@ -120,7 +123,13 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         functions += [documented(with_origins(kept.taped, unit.kernel.source), derived, "over given stacks"),
                       kept.public]
         found |= {"taped": kept.taped.name, "stacks": kept.stacks}
-    printed = module(in_dialect(functions, units), header=header(derived, request, units),
+    functions = in_dialect(functions, units)
+    if derived.forward is not None:
+        title = Names(derived.types).fresh("tape")
+        functions[-2:] = with_tape(functions[-2], functions[-1], len(unit.summary.results), derived.tape, title)
+        found |= {"forward": functions[-2].name, "tape": tuple((e.kind, e.written) for e in derived.tape),
+                  "taken": primals(unit, units)}
+    printed = module(functions, header=header(derived, request, units),
                      constants={**program.constants, **units.tables()}, standalone=request.standalone)
     found["functions"] = printed.functions
     sources += [unit.kernel.source] * (len(functions) - len(sources))
@@ -130,7 +139,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         found["recorded"], found["loops"] = recorded(derived, units, spelled, "" if kept is None else kept.taped.name)
     parameters = tuple(Parameter(hidden_name(n, units.program) if role == "primal" else n, role,
                                  hidden_name(p, units.program), derived.types[n])
-                       for n, role, p in derived.made.parameters)
+                       for n, role, p in derived.made.parameters if role != "tape")
     return Generated(printed.text, derived.function.name, parameters, tuple(derived.made.returns), found)
 
 
@@ -141,7 +150,8 @@ def recorded(entered: UnitDerivative, units: Units, spelled: Mapping[str, str], 
     loops: list[SnapshotLoop] = []
     called = units.program.once(user_names)
     for d in units.derived.values():
-        own = [d.function.name, *(f.name for f in d.beside), *([taped] if taped and d is entered else [])]
+        halves = (d.function,) if d.forward is None else (d.function, d.forward)
+        own = [*(f.name for f in (*halves, *d.beside)), *([taped] if taped and d is entered else [])]
         own = [spelled[f] for f in own if f in spelled]
         arrays += recorded_arrays(d, own, called)
         if d.unit.loop is not None and d.made.trips:
@@ -149,69 +159,16 @@ def recorded(entered: UnitDerivative, units: Units, spelled: Mapping[str, str], 
     return tuple(arrays), tuple(loops)
 
 
-def fast(derived: UnitDerivative, units: Units) -> FunctionDef:
-    """A derivative after the passes of `optimize`."""
-    tape, made = derived.made.tape, derived.made
-    family = derived.unit.family
-    sums = {f"{family.get(p, p)}_bar" for p in made.shadows} - {*family, *family.values()}
-    # numbers of the derivative's own: what it sums into them has no order that a value of the kernel depends on
-    own = {n for n in names(derived.function.body) if shadow_of(n) in sums and n not in family}
-    own |= {n for n, kind in derived.types.items() if n not in derived.unit.typing.table and kind.is_number
-            and kind.is_inexact}
-    context = DerivativeContext(
-        program=units.program, kernel=derived.unit.kernel, names=Names(), engine=units.engine, watch=units.watch,
-        types=derived.types, effects=units.effects, adjoint=tape is not None,
-        live_out={n for n, role, _ in made.parameters if role == "shadow"},
-        stacks=set() if tape is None else {s.array for s in tape.stacks.values()},
-        gaining={s for s in made.shadows.values() if derived.types[s].is_array} | made.sums,
-        numbers=own,
-        writing=_writing(derived.function, units))
-    return run(optimize.PASSES, derived.function, context)
-
-
-def fast_primal(function: FunctionDef, units: Units, adjoint: bool = False) -> FunctionDef:
-    """A kernel's function after the passes of `optimize`, those for adjoints if it is a part of one."""
-    unit = units.titled[function.name]
-    context = DerivativeContext(
-        program=units.program, kernel=unit.kernel, names=Names(), engine=units.engine, watch=units.watch,
-        types=unit.lowered_types, effects=units.effects, adjoint=adjoint,
-        live_out={p.id for p in function.args.args if unit.typing.table[p.id].is_array} if adjoint else set(),
-        writing=_writing(function, units))
-    return run(optimize.PASSES, function, context)
-
-
-def _writing(function: FunctionDef, units: Units) -> set[str]:
-    """The functions that a function calls and that write arrays."""
-    return {call_name(n) or "" for n in walk(function.body) if isinstance(n, Call) and units.effects.writes(n)}
-
-
-def aliased_derivatives(units: Units) -> set[str]:
-    """The derivatives that a call passes one array twice, and all that they call: their loops stay as they are, for two
-    shadows may be aliases."""
-    found: set[str] = set()
-    while True:
-        more = {callee for d in units.derived.values() for n in walk(d.function.body) if (callee := user_call(n))
-                and (d.function.name in found or _repeats([b for a in n.args if (b := base_name(a))
-                                                            and b in d.types and d.types[b].is_array]))}
-        if more <= found:
-            return found
-        found |= more
-
-
-def _repeats(arguments: list[str]) -> bool:
-    return len(set(arguments)) < len(arguments)
-
-
-def shadow_of(identifier: str) -> str:
-    """The name of a shadow without the number of its version."""
-    stem, _, number = identifier.rpartition("_")
-    return stem if number.isdigit() else identifier
+def primals(unit: Unit, units: Units) -> tuple[Parameter, ...]:
+    """The parameters of a kernel."""
+    return tuple(Parameter(hidden_name(p.id, units.program), "primal", p.id, t)
+                 for p, t in zip(unit.function.args.args, unit.types))
 
 
 def with_caller_tape(derived: UnitDerivative, function: FunctionDef, units: Units) -> ReusableTape | None:
     """The entry's adjoint over stacks that the caller keeps between calls."""
     tape = derived.made.tape
-    if tape is None or units.engine != "numba":
+    if tape is None or units.engine != "numba" or derived.forward is not None:
         return None
     return reusable_tape(function, list(tape.stacks.values()), derived.types,
                  units.titles.fresh(f"{derived.function.name}_taped"))

@@ -175,7 +175,8 @@ class Request:
 
     `wrt` and `of` are names of parameters; `of` may hold "return". `engine` is "numpy" or "numba", `level`
     "plain" or "fast". `with_primal` also returns the primal's result. `assumed` has a reason for every parameter whose
-    type is an assumption; `checkpoint` has the loops that keep snapshots.
+    type is an assumption; `checkpoint` has the loops that keep snapshots. With `split` the two
+    sweeps of the adjoint are two functions.
     """
     mode: str
     types: tuple[Type, ...]
@@ -187,11 +188,12 @@ class Request:
     standalone: bool = False
     assumed: tuple[tuple[str, str], ...] = ()
     checkpoint: Checkpoints = ()
+    split: bool = False
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a generated function: `role` is "primal", "shadow" (of `primal`) or "seed"."""
+    """A parameter of a generated function: `role` is "primal", "shadow" (of `primal`), "seed" or "tape"."""
     name: str
     role: str
     primal: str

@@ -181,7 +181,7 @@ def _request(parser: argparse.ArgumentParser, program: Program, options: argpars
     mode = "tangent" if options.command == "tangent" else getattr(options, "mode", "adjoint")
     reasons = tuple((p, found[p].reason) for p in kernel.parameters if found[p].reason)
     request = Request(mode, types, wrt, of, engine, options.level, standalone=options.standalone, assumed=reasons,
-                      checkpoint=_checkpoint_option(parser, options.checkpoint))
+                      checkpoint=_checkpoint_option(parser, options.checkpoint), split=options.split)
     return program, request, found, paths
 
 

@@ -85,7 +85,10 @@ def _add_options(parser: argparse.ArgumentParser, command: str) -> None:
                         "(numba); each text runs under both (default: %(default)s)")
     parser.add_argument("--level", choices=("plain", "fast"), default="plain",
                         help="statement by statement, or what runs (default: plain)")
-    parser.set_defaults(standalone=False, checkpoint=None)
+    parser.set_defaults(standalone=False, checkpoint=None, split=False)
+    if command == "adjoint":
+        parser.add_argument("--split", action="store_true", help="two functions: the augmented primal, which gives the "
+                            "tape, and the reverse sweep, which takes it")
     if command in ("adjoint", "explain", "stages", *RUNNING):
         parser.add_argument("--checkpoint", metavar="K=20", help='loops that keep snapshots in place of a tape, and '
                             'how many: "k=20, advance.k=10, line 14=20"; in files of a folder: "k=20@/scratch"')

@@ -16,7 +16,7 @@ Requires the plan of what is recorded; establishes the grammar "derivative" of `
 """
 from __future__ import annotations
 
-from s2sad.blocks import with_blocks
+from s2sad.blocks import returned_values, with_blocks
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.uses import reads_own_result
 from s2sad.differentiate.arithmetic import Term
@@ -37,7 +37,7 @@ from s2sad.infer.types import BOOL, Type
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.program import MISFIT
 from s2sad.tree import (
-    AST, Add, Assert, Assign, AugAssign, Constant, Eq, Expr, FunctionDef, Name, Return, Sub, Subscript, Tuple, assign,
+    AST, Add, Assert, Assign, AugAssign, Constant, Eq, Expr, FunctionDef, Name, Return, Sub, Subscript, assign,
     at, attribute, augment, call, comment, compare, const, copy, function, index, indices, name, names, stored_names,
     tuple_of, user_call, walk, walk_statements,
 )
@@ -103,7 +103,9 @@ class _Adjoint(Shadows):
         self.seeds = seeds
         self.find_scopes()
         added = self.private_shadows()
+        self.sweeps.prints = self.request.split
         forward = [*empty_at_first(self.structure), *self.sweeps.forward(self.structure.function.body)]
+        self.sweeps.prints = False
         reverse = self.with_flag(self.sweeps.reverse(self.structure.function.body))
         last = [augment(index(name(p), const(...)), Add(), name(s)) for p, s in added]
         returned = [p for p in self.request.wrt if self.typing.table[p].is_number]
@@ -118,7 +120,9 @@ class _Adjoint(Shadows):
             closing = [Return(tuple_of(result, *values))]
         zeros = [assign(self.shadow(p), const(0.0)) for p in returned
                  if p not in self.active and not self.request.accumulates]
-        body = [comment("forward sweep"), *self.halves.stacks(), *forward, *held, *self.seeds_fit(), comment(REVERSE),
+        # which seeds fit is asked before a shadow changes: by the function that has them
+        fit, late = (([], self.seeds_fit()) if self.request.split else (self.seeds_fit(), []))
+        body = [comment("forward sweep"), *self.halves.stacks(), *forward, *held, *fit, comment(REVERSE), *late,
                 *zeros, *reverse, *last, *closing]
         made = function(title, [n for n, _, _ in signature], body)
         return Derivative(made, self.shadows, signature, (["result"] if self.request.with_primal else []) + returned,
@@ -155,10 +159,7 @@ class _Adjoint(Shadows):
                 if self.typing.table[seed].is_array]
 
     def results(self) -> list[AST]:
-        last = self.structure.function.body[-1] if self.structure.function.body else None
-        if not isinstance(last, Return) or last.value is None:
-            return []
-        return list(last.value.elts) if isinstance(last.value, Tuple) else [last.value]
+        return returned_values(self.structure.function.body)
 
     def results_count(self) -> int:
         return sum(self.typing.of(r).is_inexact for r in self.results())

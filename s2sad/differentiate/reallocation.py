@@ -24,7 +24,7 @@ def empty_at_first(structure: ProgramStructure) -> list[AST]:
         found = [structure.place(a) for a in allocations(structure, array)]
         if found and all(place.loops or place.branches for place in found):
             kind = structure.typing.table[array]
-            made.append(_empty(array, [const(0)] * kind.rank, kind))
+            made.append(empty_array(array, [const(0)] * kind.rank, kind))
     return made
 
 
@@ -42,7 +42,7 @@ def pop_sizes(statement: Assign, tape: Tape) -> list[AST]:
         size = tape.typing.declare(tape.free.fresh(f"{array}_size"), INT)
         made += tape.pop(stack, name(size))
         sizes.append(name(size))
-    return [*made, _empty(array, sizes, tape.typing.table[array])]
+    return [*made, empty_array(array, sizes, tape.typing.table[array])]
 
 
 def _stacks(statement: Assign, tape: Tape) -> list[Stack]:
@@ -52,6 +52,7 @@ def _stacks(statement: Assign, tape: Tape) -> list[Stack]:
             for axis in range(tape.typing.table[array].rank)]
 
 
-def _empty(array: str, sizes: list[AST], kind: Type) -> Assign:
+def empty_array(array: str, sizes: list[AST], kind: Type) -> Assign:
+    """The allocation of an array of these sizes under a name."""
     dtype = [] if kind.dtype == "float64" else [name("numpy.bool_" if kind.dtype == "bool" else f"numpy.{kind.dtype}")]
     return assign(array, call("numpy.empty", sizes[0] if len(sizes) == 1 else tuple_of(*sizes), *dtype))

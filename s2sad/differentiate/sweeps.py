@@ -42,6 +42,7 @@ class Sweeps(Recording):
         self.typing = structure.typing
         self.adjoint, self.zeros, self.family, self.called = adjoint, zeros, family, called
         self.counting = tape.counting
+        self.prints = False     # whether the forward sweep does what the kernel prints
 
     # -- forward -----------------------------------------------------------------------------------------------------
 
@@ -52,8 +53,8 @@ class Sweeps(Recording):
         return made
 
     def forward_statement(self, statement: AST) -> list[AST]:
-        if isinstance(statement, Return) or isinstance(statement, Expr) and call_name(statement.value) == \
-                "builtins.print":
+        if isinstance(statement, Return) or not self.prints and isinstance(statement, Expr) and call_name(
+                statement.value) == "builtins.print":
             return []
         if isinstance(statement, (For, While)):
             return self.forward_loop(statement) + self.records(statement)
@@ -72,7 +73,7 @@ class Sweeps(Recording):
         carried += [s for snapshot in self.snapshots_of(loop)
                     for s in self.tape.push(self.snapshot_stack(snapshot), name(snapshot.array))]
         if id(loop) in self.plan.rerun:
-            made = _without_prints(loop)
+            made = copy(loop) if self.prints else _without_prints(loop)
             made.body = [*carried, *made.body]
             return [*self.tape.allocations.pop(id(loop), []), made]
         body = self.forward(loop.body)

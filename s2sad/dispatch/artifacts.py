@@ -45,7 +45,8 @@ _READINGS = 8           # of one function: for so many sets of constants
 _FOLLOWING = frozenset(("root", "function", "kernel", "given", "bound"))     # steps that follow from what was taken
 _WRITTEN: dict[str, type] = {c.__name__: c for c in (
     Type, PyTree, Parameter, EntrySummary, Request, Schedule, Snapshots, TextGuard, SourcePlace)}
-_FACTS = ("wrappers", "stacks", "taped", "independent", "guards", "places", "folders", "recorded", "loops")
+_FACTS = ("wrappers", "stacks", "taped", "independent", "guards", "places", "folders", "recorded", "loops", "forward",
+          "taken", "tape")
 
 
 class NotSerializable(Exception):

@@ -19,6 +19,7 @@ from s2sad.run.compiler_lock import COMPILER_LOCK
 from s2sad.dispatch.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError, WaitingForFacts
 from s2sad.dispatch.executable import HIDDEN, Executable
+from s2sad.dispatch.split_executable import SplitExecutable
 from s2sad.live_objects.guards import Guards, Path, VaryingNumber, current, recording
 from s2sad.infer.types import Type
 from s2sad.live_objects.unwrap import by_position, python_function
@@ -264,14 +265,15 @@ class ProgramVersion:
         with COMPILER_LOCK:
             if key not in self._variants:
                 request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
-                                  request.with_primal, checkpoint=request.checkpoint)
+                                  request.with_primal, checkpoint=request.checkpoint, split=request.split)
                 generated = artifacts.load_generated(self.reading.address, request)
                 if generated is None:
                     with Working(f"deriving the {request.mode} of '{self.kernel.name}'"):
                         generated = compiler().derived(self.program, request, self._forms)
                     artifacts.store_generated(self._address, request, generated)
-                self._variants[key] = Executable(generated, engine, self.summary(request.types), self.kernel.name,
-                                               self.registered)
+                loaded = SplitExecutable if request.split else Executable
+                self._variants[key] = loaded(generated, engine, self.summary(request.types), self.kernel.name,
+                                             self.registered)
             return self._variants[key]
 
     def check_frozen_arrays(self) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from s2sad.dispatch.deferred import compiler
+from s2sad.infer.types import Type
 from s2sad.program import Generated, Parameter
 from s2sad.live_objects.registry import RegisteredRule
 from s2sad.run.compiled import compiled, prepare
@@ -23,11 +24,16 @@ HIDDEN = "array."
 _KINDS = {"float64": float, "float32": np.float32, "complex128": complex}
 
 
-def _as_it_is(value: Any) -> Any:
+def as_it_is(value: Any) -> Any:
     return value
 
 
-def _without_warnings(function: Callable[..., Any]) -> Callable[..., Any]:
+def kind_of(kind: Type) -> Callable[[Any], Any]:
+    """What makes a result of this type a number of Python's, or one of float32."""
+    return _KINDS.get(kind.dtype, as_it_is) if kind.is_number else as_it_is
+
+
+def without_warnings(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function without NumPy's warnings: inf and nan are results of a derivative, and compiled code does not
     warn of them either. `np.errstate` with raise or call holds."""
     def called(*arguments: Any) -> Any:
@@ -87,13 +93,13 @@ class Executable:
             if "units" in generated.facts:
                 compiler().checked_derivatives(module, generated.facts["units"])
         stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
+        self.module = module
         self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
         self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)
         self.function: Callable[..., Any] = (
             TapeReuse(self.dispatcher, self._first) if stacks else
-            _without_warnings(self.dispatcher) if engine == "numpy" else self.dispatcher)
-        if folders := generated.facts.get("folders", ()):
-            self.function = OnDisk(self.function, folders)
+            without_warnings(self.dispatcher) if engine == "numpy" else self.dispatcher)
+        self.function = self.in_folders(self.function)
         self.shadows = {p.primal: p for p in self.parameters if p.role == "shadow"}
         self.seeds = tuple(p for p in self.parameters if p.role == "seed")
         self._written = frozenset(summary.written)
@@ -101,11 +107,16 @@ class Executable:
         self.array_places = tuple(k for k, p in enumerate(self.parameters) if p.type.is_array)
         self._pick = itemgetter(*self.array_places) if len(self.array_places) > 1 else None
         self._only = self.array_places[0] if len(self.array_places) == 1 else None
-        types = {p.name: p.type for p in self.parameters} | {f"return {k}": t for k, t in enumerate(summary.results)}
+        types = {p.name: p.type for p in (*generated.facts.get("taken", ()), *self.parameters)}
+        types |= {f"return {k}": t for k, t in enumerate(summary.results)}
         if len(summary.results) == 1:
             types["result"] = summary.results[0]
-        self._kinds = [_KINDS.get(types[r].dtype, _as_it_is) if r in types and types[r].is_number else _as_it_is
-                       for r in generated.returns]
+        self._kinds = [kind_of(types[r]) if r in types else as_it_is for r in generated.returns]
+
+    def in_folders(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """The function, which keeps snapshots in the folders of the derivative."""
+        folders = self.generated.facts.get("folders", ())
+        return OnDisk(function, folders) if folders else function
 
     @property
     def check(self) -> Check:
@@ -148,9 +159,13 @@ class Executable:
 
     def prepare(self, arguments: Sequence[Any]) -> None:
         """Compiles for the types of these arguments, or reads Numba's cache."""
+        self.prepare_function(self.dispatcher, [*arguments, *self._first], self.generated.entry)
+
+    def prepare_function(self, dispatcher: Callable[..., Any], arguments: Sequence[Any], title: str) -> None:
+        """The same for a function of the module."""
         if self.engine == "numba":
             try:
-                prepare(self.dispatcher, [*arguments, *self._first], f"'{self.generated.entry}' of '{self.kernel}'")
+                prepare(dispatcher, arguments, f"'{title}' of '{self.kernel}'")
             except Exception:  # whatever it is: Numba raises more than its own errors on code that it does not know
                 units = self.generated.facts.get("units")   # not of one that was kept: it calls nothing of the user's
                 wrong = None if units is None else compiler().uncompiled(units)

@@ -12,7 +12,7 @@ from s2sad.dispatch.arguments import kernel_value, bind, describe
 from s2sad.dispatch.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.interface.foreign_names import unexpected_keywords
-from s2sad.interface.pytrees import flat_autodiff as with_structures, flatten, flat_call
+from s2sad.interface.pytrees import flat_autodiff as with_structures, flat_tapes, flatten, flat_call
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import selection_of
 from s2sad.program import Request
@@ -23,6 +23,9 @@ from s2sad.interface.selection import (
     Checkpoint, ReturnedValues, Selection, Wrt, checkpoints_of, names_of, selected_of, selected_wrt,
 )
 from s2sad.interface.shadow_calls import ShadowCall
+from s2sad.interface.shadow_signature import argument_text
+from s2sad.interface.split_calls import split_call
+from s2sad.interface.tapes import Tape
 from s2sad.pytree import is_structure
 from s2sad.run.tracebacks import public, shortened
 from s2sad.dispatch.cache import ProgramVersion, derivatives_of
@@ -132,6 +135,46 @@ class Differentiated(Decorated, Generic[P, R]):
         raise outside
 
     @public
+    def augmented(self, *args: Any, **keywords: Any) -> tuple[Any, Tape]:
+        """What f returns, and the tape of its forward sweep; arguments are written as f writes them.
+
+        Args: f's own. The tape holds all that reverse sweeps read, in memory of its own: arguments and results may be
+        written right away. Raises S2sadError, before anything is written: S404, S405 as `adjoint`, S409 (f leaves
+        another object in an argument); and what f raises. Moses and Churavy, NeurIPS 2020.
+
+        >>> import numpy as np
+        >>> @differentiate(wrt="u", engine="numpy")
+        ... def square(u):
+        ...     u[:] = u * u
+        >>> u, u_bar = np.array([1.0, 3.0]), np.ones(2)
+        >>> result, tape = square.augmented(u)
+        >>> square.reverse(tape, u_bar), u, u_bar
+        (None, array([1., 9.]), array([2., 6.]))
+        """
+        given, args, keywords = apply_functions(self, args, keywords)
+        state = (self._derivatives if given is self else derivatives_of(given)).state()
+        values = bind(state.kernel, args, keywords)
+        flattened = flatten(state, values)
+        found = (split_call(state, values, self.__s2sad_selection__).augmented(values) if flattened is None else
+                 flat_tapes.augmented(flattened, values, self))
+        return found.result, Tape(self, found.variant, found.entries, found.sweep)
+
+    @public
+    def reverse(self, tape: Tape, *shadows: Any, keep: bool = False) -> Any:
+        """The adjoints of the float scalar arguments as a tuple, in order (None without any); shadows in place.
+
+        Args: tape, of this function's `augmented`; shadows, those that `adjoint` takes, in its order, then the seeds of
+        the float results; keep, whether the tape stays for another sweep, which costs copies of what the sweep writes
+        in it. Raises S2sadError, before anything is written: S403, S404, S405 as `adjoint`, S409 (a tape that was used
+        up, freed, or is of another function).
+        """
+        if not isinstance(tape, Tape):
+            title = self.__wrapped_kernel__.__name__
+            raise S2sadError(Diagnostic("S409", f"'{title}.reverse' was given {argument_text(tape)} in place of a tape",
+                                        help=f"result, tape = {title}.augmented(...)"))
+        return tape.reverse(self, shadows, keep)
+
+    @public
     def primal(self, *args: Any, **keywords: Any) -> Any:
         """What f returns, computed by the compiled primal (under NumPy: by f itself)."""
         given, args, keywords = apply_functions(self, args, keywords)
@@ -153,9 +196,10 @@ class Differentiated(Decorated, Generic[P, R]):
         return results.with_aliases(function(*values), dict(zip(state.parameters, values)))
 
     @public
-    def adjoint_source(self, *args: Any, level: str = "plain", **keywords: Any) -> str:
-        """The generated adjoint module's text for arguments of these types (f's own, without shadows)."""
-        return self._source("adjoint", args, keywords, level)
+    def adjoint_source(self, *args: Any, level: str = "plain", split: bool = False, **keywords: Any) -> str:
+        """The generated adjoint module's text for arguments of these types (f's own, without shadows); `split`, as
+        `augmented` and `reverse` run it."""
+        return self._source("adjoint", args, keywords, level, split)
 
     @public
     def tangent_source(self, *args: Any, level: str = "plain", **keywords: Any) -> str:
@@ -199,11 +243,13 @@ class Differentiated(Decorated, Generic[P, R]):
         bound = bind(state.kernel, args, keywords)
         return [kernel_value(n, v, n in state.floats) for n, v in zip(state.parameters, bound)]
 
-    def _source(self, mode: str, args: tuple[Any, ...], keywords: dict[str, Any], level: str) -> str:
+    def _source(self, mode: str, args: tuple[Any, ...], keywords: dict[str, Any], level: str,
+                split: bool = False) -> str:
         given, args, keywords = apply_functions(self, args, keywords)
         derivatives = self._derivatives if given is self else derivatives_of(given)
         state, _, request = self._request(derivatives.with_constants(), mode, args, keywords)
-        return compiler().derived(state.program, replace(request, engine=self.engine, level=level), {}).text
+        request = replace(request, engine=self.engine, level=level, split=split)
+        return compiler().derived(state.program, request, {}).text
 
     def _request(self, state: ProgramVersion, mode: str, args: tuple[Any, ...], keywords: dict[str, Any]
                  ) -> tuple[ProgramVersion, dict[str, Any], Request]:

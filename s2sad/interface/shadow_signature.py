@@ -140,7 +140,7 @@ def _mismatch(state: ProgramVersion, mode: str, args: Sequence[Any], selection: 
     missing = " or ".join(_missing(absent, short, variant) for absent, short in sorted(
         nearest, key=lambda k: [order(n) for n in k[0]]) if variant and short >= 0)
     message = f"'{name}.{mode}' was given {len(args)} arguments {f'without {missing}' if missing else _UNFIT}"
-    note = f"given were {', '.join(map(_argument_text, args))}" if args and not missing else ""
+    note = f"given were {', '.join(map(argument_text, args))}" if args and not missing else ""
     return S2sadError(Diagnostic("S405", message, note=note, help=f"call {name}.{mode}({signature})"))
 
 
@@ -154,7 +154,7 @@ def _missing(absent: Sequence[str], short: int, variant: Executable) -> str:
                          *(f"the seed '{p.name}'" for p in variant.seeds[len(variant.seeds) - short:] if short)])
 
 
-def _argument_text(value: Any) -> str:
+def argument_text(value: Any) -> str:
     """An argument by its type and shape."""
     if isinstance(value, np.ndarray):
         return f"an array of {value.dtype} of shape {value.shape}"

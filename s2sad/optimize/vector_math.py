@@ -19,7 +19,8 @@ becomes
             x_bar[i] += exp(x[i]) * seed if seed != 0.0 else 0.0
 
 *Requires* finished text for Numba and the types of its names. *Establishes* the same values up to rounding. All calls
-of a function are replaced or none: a recomputed number then has the same digits, and a branch on it goes the same way.
+of a function are replaced or none, those in `system_math` never: a recomputed number then has the same digits, and a
+branch on it goes the same way.
 They are, if every loop around such a call is innermost and vectorizable: no branch, no call that is not an instruction
 of the processor, no scalar carried from one iteration to the next but by `runtime.added`. Elsewhere a call of the
 system's library is faster.
@@ -53,10 +54,12 @@ def vector_math(function: FunctionDef, context: DerivativeContext) -> FunctionDe
     for node, loop in _calls_in_loops(function, None):
         called = call_name(node) or ""
         found |= {called} if loop is not None else set()
-        double = all(_is_double(types.get(n)) for n in _operands(node))
+        double = all(_is_double(types.get(n)) for n in _operands(node)) and not any(
+            isinstance(n, Constant) and isinstance(n.value, complex) for n in walk(node))
         if loop is not None and not _is_vectorizable(loop) or not double:
             slow.add(called)
-    chosen = {f: _FUNCTIONS[f] for f in found - slow}
+    chosen = {f: _FUNCTIONS[f] for f in found - slow - context.system_math}
+    context.called_math = {call_name(n) or "": call_name(n) in chosen for n, _ in _calls_in_loops(function, None)}
 
     def change(node: AST) -> AST | None:
         if (inner := cosh_of_tanh_derivative(node)) is not None and call_name(inner) in chosen:

@@ -28,6 +28,8 @@ class DerivativeContext(Context):
     gaining: Set[str] = frozenset()     # the arrays that gain, and the numbers that do in any order
     numbers: Set[str] = frozenset()
     writing: Set[str] = frozenset()     # the functions called that write arrays
+    system_math: Set[str] = frozenset()     # the functions that stay the system's,
+    called_math: Mapping[str, bool] = field(default_factory=dict)   # and whether those that are called became ours
 
     @staticmethod
     def parameters(function: FunctionDef) -> set[str]:

@@ -14,6 +14,7 @@ from s2sad.analyze.recording_plan import RecordingPlan
 from s2sad.analyze.request import DerivativeRequest
 from s2sad.analyze.unbounded_values import UnboundedValues, unbounded_values_of
 from s2sad.differentiate import PASSES as DIFFERENTIATION
+from s2sad.differentiate.augmented_primal import BothSweeps, TapeEntry
 from s2sad.differentiate.checkpointed_adjoint import CheckpointedAdjoint, StepDerivative
 from s2sad.differentiate.scheduled_adjoint import ScheduledAdjoint
 from s2sad.differentiate.context import DifferentiationContext
@@ -23,6 +24,7 @@ from s2sad.differentiate.user_derivative import user_derivative
 from s2sad.form import verify
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import FLOAT, Type
+from s2sad.blocks import returned_values
 from s2sad.liveness import Accesses
 from s2sad.naming import Names
 from s2sad.normalize.calls.global_arrays import hidden_arrays
@@ -31,7 +33,7 @@ from s2sad.passes import Passes, run
 from s2sad.program import Table
 from s2sad.simplify import DerivativeContext, Effect, Effects
 from s2sad.simplify.wide_accumulators import uses_float32
-from s2sad.tree import Call, For, FunctionDef, Return, Tuple, user_call, walk_statements
+from s2sad.tree import AST, Call, For, FunctionDef, function, user_call, walk_statements
 from s2sad.units.normal_forms import NormalForms
 from s2sad.units.unit import Unit
 
@@ -50,6 +52,9 @@ class UnitDerivative:
     request: DerivativeRequest
     plan: RecordingPlan | None = None
     beside: tuple[FunctionDef, ...] = ()
+    forward: FunctionDef | None = None              # the augmented primal, if `function` is the reverse sweep alone,
+    tape: tuple[TapeEntry, ...] = ()                # which takes this first
+    equal_sizes: tuple[AST, ...] = ()               # what is known there of the sizes of arrays
 
     @property
     def mode(self) -> str:
@@ -77,7 +82,8 @@ class Units(NormalForms):
         key = (mode, unit.title, request, flat)
         if key not in self.derived:
             others = sum(k[0] == mode and k[1] == unit.title for k in self.derived)
-            title = self.titles.fresh(f"{unit.title}_{mode}" + (f"_{others + 1}" if others else ""))
+            word = "reverse" if request.split else mode
+            title = self.titles.fresh(f"{unit.title}_{word}" + (f"_{others + 1}" if others else ""))
             if unit.loop is not None and mode == "adjoint":
                 made = self._checkpointed(unit, unit.loop, request, title)
             elif unit.kernel.own is not None:
@@ -106,7 +112,8 @@ class Units(NormalForms):
             request=request, mode=mode, calls=self, derive=self.callee_derivatives(mode), title=title,
             family=unit.family, flat=flat)
         context.typing = typing
-        return self._simplified(unit, run(DERIVATIVES, unit.function, context), context)
+        made = run(DERIVATIVES, unit.function, context)
+        return self._separated(unit, made, context) if request.split else self._simplified(unit, made, context)
 
     def _checkpointed(self, unit: Unit, loop: OutlinedLoop, request: DerivativeRequest, title: str) -> UnitDerivative:
         """The adjoint of an outlined loop, in two halves."""
@@ -132,8 +139,8 @@ class Units(NormalForms):
         halves = kind(loop, found, [p.id for p in unit.function.args.args], request, typing, names)
         forward = halves.forward(self.titles.fresh(f"{unit.title}_forward"))
         made = halves.reverse(title)
-        for function in (forward, made.function):
-            self.effects.add(function, typing)
+        for half in (forward, made.function):
+            self.effects.add(half, typing)
         self.schedules |= halves.constants()
         callee = replace(self._callee(made, request, typing), forward=f"user.{forward.name}",
                          results=len(loop.outputs), is_loop=True)
@@ -142,11 +149,9 @@ class Units(NormalForms):
 
     def _state(self, step: Unit, loop: OutlinedLoop, adjoint: CalleeDerivative | None) -> tuple[str, ...]:
         """The parameters of a loop's step that are kept."""
-        last = step.function.body[-1]
-        returned = [] if not isinstance(last, Return) or last.value is None else (
-            last.value.elts if isinstance(last.value, Tuple) else [last.value])
         parameters = [p.id for p in step.function.args.args]
         changed = {parameters[k]: parameters[k] for k in step.summary.written}
+        returned = returned_values(step.function.body)
         changed |= {n: value.id for n, value in zip(loop.results, returned) if n in loop.carried}
         needed: set[str] = set()
         for derived in self.derived.values():
@@ -231,9 +236,34 @@ class Units(NormalForms):
     def _simplified(self, unit: Unit, function: FunctionDef, found: DifferentiationContext) -> UnitDerivative:
         """The derivative after the passes of `simplify`, with its signature for callers."""
         made, typing, plan, request = found.derivative, found.typing, found.plan, found.request
+        function = self._shortened(unit, function, found, self._live_out(made, typing, plan is None))
+        return UnitDerivative(self._callee(made, request, typing), function, made, unit, found.activity,
+                              dict(typing.table), request, plan)
+
+    def _separated(self, unit: Unit, adjoint: FunctionDef, found: DifferentiationContext) -> UnitDerivative:
+        """The two sweeps as two functions, each after the passes of `simplify`."""
+        made, typing, parameters = found.derivative, found.typing, [p.id for p in unit.function.args.args]
+        live_out, own = self._live_out(made, typing, False), [p for p in made.parameters if p[1] != "primal"]
+        accesses = Accesses(self.effects.writes, self.effects.pure, self.effects.unread)
+        sweeps = BothSweeps(adjoint, parameters, [n for n, _, _ in own], live_out, accesses, typing)
+        plain = self._shortened(unit, sweeps.reverse, found, live_out)
+        tape = sweeps.tape(plain, self.effects.table[plain.name].writes)
+        title = self.titles.fresh(f"{unit.title}_augmented")
+        forward = sweeps.augmented(title, returned_values(unit.function.body), tape)
+        forward = self._shortened(unit, forward, found, {p for p in parameters if typing.table[p].is_array})
+        made.parameters = [*((e.name, "tape", e.name) for e in tape), *own]
+        plain = function(plain.name, [n for n, _, _ in made.parameters], plain.body)
+        return UnitDerivative(CalleeDerivative(f"user.{plain.name}", (), (), (), (), ()), plain, made, unit,
+                              found.activity, dict(typing.table), found.request, found.plan, (), forward, tape,
+                              tuple(sweeps.equal_sizes([e.name for e in tape])))
+
+    def _shortened(self, unit: Unit, function: FunctionDef, found: DifferentiationContext, live_out: set[str]
+                   ) -> FunctionDef:
+        """A function after the passes of `simplify`."""
+        made, typing, plan = found.derivative, found.typing, found.plan
         context = DerivativeContext(
             program=self.program, kernel=unit.kernel, names=found.names, engine=self.engine, watch=self.watch,
-            types=typing.table, effects=self.effects, live_out=self._live_out(made, typing, plan is None),
+            types=typing.table, effects=self.effects, live_out=live_out,
             adjoint=plan is not None, kernel_names=unit.family, has_float32=plan is not None and uses_float32(typing),
             shadows={s: p for p, s in made.shadows.items()},
             kept_names=set(unit.family) | {made.shadows[v] for v in unit.family if v in made.shadows})
@@ -242,10 +272,9 @@ class Units(NormalForms):
         context.family = {**unit.family, **{s: f"{unit.family.get(p, p)}_{'bar' if plan else 'dot'}"
                                             for p, s in made.shadows.items() if typing.table[s].is_number}}
         function = run(simplify.PASSES, function, context)
-        made.sums = set(context.sums)
+        made.sums |= set(context.sums)
         self.effects.add(verify(function, "derivative", "simplify"), typing)
-        callee = self._callee(made, request, typing)
-        return UnitDerivative(callee, function, made, unit, found.activity, dict(typing.table), request, plan)
+        return function
 
     def _callee(self, made: Derivative, request: DerivativeRequest, typing: Typing) -> CalleeDerivative:
         """What callers must know of a finished derivative."""
