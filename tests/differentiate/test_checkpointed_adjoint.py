@@ -84,6 +84,23 @@ def test_dot_products(kernel, engine):
     assert max(measured.directional, measured.coordinates) <= 1e-7
 
 
+def leaves_at_once(u, c, n):
+    for k in range(n):
+        u[:] = np.exp(c * u) + k
+        if u[0] > 0.0:
+            break
+    return np.sum(u * u)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_a_loop_that_is_left_in_its_first_step(engine):
+    u = np.linspace(0.1, 0.6, 6)
+    for snapshots in (1, 5):
+        found = s2sad.gradient(s2sad.differentiate(leaves_at_once, engine=engine, checkpoint={"k": snapshots}),
+                               wrt="u")(u, 0.2, 9)
+        np.testing.assert_allclose(found, 0.4 * np.exp(0.4 * u), rtol=1e-14)
+
+
 def test_a_marked_loop_is_the_range_where_nothing_is_differentiated():
     assert list(timesteps(range(4), snapshots=2)) == [0, 1, 2, 3]
     u = np.linspace(0.1, 0.6, 6)
@@ -132,6 +149,37 @@ def test_steps_run_as_seldom_as_can_be():
                 repeats += 1
             least = repeats * steps - comb(snapshots + repeats, snapshots + 1)
             assert len(_watched(steps_of, steps, snapshots)) == least + 1
+
+
+def advance(u, c, n):
+    energy = 0.0
+    for k in range(n):
+        u[:] = u * (1.0 - c * u) + k * c
+        energy += u[0]
+    return energy
+
+
+def calls_advance(u, c, n):
+    first = advance(u[1:], c, n)
+    for m in range(2):
+        first += advance(u[:2], c * first, n + m)
+    return first * np.sum(u)
+
+
+def test_the_loop_of_a_helper_runs_forwards_once():
+    """Also where its caller reads what it leaves, and wherever it is called from."""
+    u, kept = np.linspace(0.1, 0.4, 5), s2sad.differentiate(
+        calls_advance, engine="numpy", checkpoint={"advance.k": 50})
+    space: dict[str, Any] = {}
+    exec(kept.adjoint_source(u, 0.1, 6), space)
+    ran = []
+    for name, step in [(n, f) for n, f in space.items() if n.endswith("_step")]:
+        space[name] = lambda *args, step=step: (ran.append(1), step(*args))[1]
+    u_bar = np.zeros(5)
+    space["calls_advance_adjoint"](u.copy(), u_bar, 0.1, 6, 1.0)
+    assert len(ran) == 6 + 6 + 7
+    np.testing.assert_array_equal(u_bar, s2sad.gradient(s2sad.differentiate(
+        calls_advance, engine="numpy"), wrt="u")(u, 0.1, 6))
 
 
 def test_a_step_that_runs_again_finds_the_same_bits():

@@ -16,14 +16,16 @@ is inlined into its caller:
                                     return s[1]
 
 Requires structured form. Establishes it for a kernel whose calls return no array, so that aliases between the names of
-callee and caller (an argument that is stored into, a view that is returned) follow from the statements. Local names of
-the callee are renamed where the caller has them; a parameter that is never bound is substituted by its argument.
+callee and caller (an argument that is stored into, a view that is returned) follow from the statements. Inlined, too,
+is a function with a loop that keeps snapshots: the halves of its adjoint belong to the two sweeps of one function.
+Local names of the callee are renamed where the caller has them; a parameter that is never bound is substituted by its
+argument.
 Functions that return numbers only, or nothing, stay functions, and so do those that can write their results into
 arrays of the caller's (`destination_passing`).
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 from s2sad.blocks import with_blocks
@@ -37,7 +39,7 @@ from s2sad.normalize.calls.destination_passing import (
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.live_range_splitting import split_live_ranges
 from s2sad.normalize.buffers.argument_rotation import rotated
-from s2sad.program import Kernel, Program
+from s2sad.program import Kernel, Program, SourcePlace
 from s2sad.tree import (
     AST, Assign, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, Name, Not, NotEq, Return, Store, Tuple,
     UnaryOp, While, assign, at, copy, function, name, names, rebuild, stored_names, tuple_of, user_call,
@@ -121,7 +123,7 @@ class Helpers:
 def inline(tree: FunctionDef, context: NormalContext) -> FunctionDef:
     """The function without calls that return arrays; its source has those of the functions that were inlined."""
     types, free, source, helpers = context.given, context.names, context.kernel.source, context.helpers
-    pass_ = _Inline(free, source, helpers)
+    pass_ = _Inline(free, source, helpers, context.callees.checkpoints)
     while any(map(_called, walk(tree.body))):
         tree, pass_.typing = helpers.typing(tree, types, source, free)
         pass_.changed = False
@@ -150,8 +152,8 @@ class _Inline:
     """The statements of one function; `changed` if a call was inlined."""
     typing: Typing
 
-    def __init__(self, free: Names, source: Source, helpers: Helpers):
-        self.free, self.source, self.helpers = free, source, helpers
+    def __init__(self, free: Names, source: Source, helpers: Helpers, checkpoints: Collection[tuple[str, int, int]]):
+        self.free, self.source, self.helpers, self.checkpoints = free, source, helpers, checkpoints
         self.changed = False
         self.held: dict[str, str] = {}          # names of parameters, with the arguments that they are bound to
 
@@ -162,13 +164,29 @@ class _Inline:
         if isinstance(statement, (For, If, While)):
             return [with_blocks(statement, self.block)]
         value = statement.value if isinstance(statement, (Assign, Expr)) else None
-        if value is None or not _called(value) or not any(t.is_array for t in self.typing.call_results(value)):
+        if value is None or not _called(value):
+            return [statement]
+        keeps = self.keeps_snapshots(_called(value))
+        if not keeps and not any(t.is_array for t in self.typing.call_results(value)):
             return [statement]
         if self.helpers.program.kernels[_called(value)].own is not None:
             return [statement]  # its derivative is the user's own, whatever it returns
         self.changed = True
-        version = self.helpers.destination(_called(value), tuple(map(self.typing.argument, value.args)))
-        return self.inlined(statement, value) if version is None else self.filled(statement, value, version)
+        version = None if keeps else self.helpers.destination(_called(value), tuple(map(
+            self.typing.argument, value.args)))
+        return self.inlined(statement, value, keeps) if version is None else self.filled(statement, value, version)
+
+    def keeps_snapshots(self, kernel: str) -> bool:
+        """Whether a function, or one that it calls, has a loop that keeps snapshots."""
+        waiting = [kernel] if self.checkpoints else []
+        for title in waiting:
+            found = self.helpers.program.kernels[title]
+            places = (SourcePlace.of(found.source, s) for s in walk_statements(found.tree.body)
+                      if isinstance(s, (For, While)) and getattr(s, "lineno", None))
+            if any((p.path, p.line, p.column) in self.checkpoints for p in places):
+                return True
+            waiting += {_called(n) for n in walk(found.tree.body)} - {"", *waiting}
+        return False
 
     def filled(self, statement: Assign | Expr, called: Call, version: DestinationVersion) -> list[AST]:
         """A call that writes the results, and the allocations of the arrays that it writes them into."""
@@ -192,8 +210,9 @@ class _Inline:
         bound = [t.id for t in getattr(target, "elts", [target]) if isinstance(t, Name)]
         return bound if len(set(bound)) == count and not read & set(bound) else []
 
-    def inlined(self, statement: Assign | Expr, called: Call) -> list[AST]:
-        """The function's statements in place of a call of it."""
+    def inlined(self, statement: Assign | Expr, called: Call, apart: bool) -> list[AST]:
+        """The function's statements in place of a call of it; with its numbers `apart`, so that what their adjoints sum
+        has the order that it has in a function."""
         kernel = _called(called)
         types = tuple(map(self.typing.argument, called.args))
         tree = self.placed(self.helpers.written(kernel, types), self.helpers.program.kernels[kernel].source)
@@ -201,7 +220,8 @@ class _Inline:
         substitution: dict[str, AST] = {}
         before: list[AST] = []
         for parameter, argument in zip(parameters, called.args):
-            if parameter not in bound and isinstance(argument, (Name, Constant)):
+            separate = apart and self.typing.of(argument).is_inexact and not self.typing.of(argument).is_array
+            if parameter not in bound and isinstance(argument, (Name, Constant)) and not separate:
                 substitution[parameter] = argument
             else:
                 held = self.free.numbered(parameter)
@@ -212,9 +232,8 @@ class _Inline:
         local = [n for n in dict.fromkeys([*bound, *names(tree.body)]) if n not in substitution]
         substitution |= {n: name(self.free.numbered(n)) for n in sorted(local, key=_first_place(tree))}
         body = _without_dead_branches([_renamed(s, substitution) for s in tree.body])
-        last = body.pop()
-        assert isinstance(last, Return)  # it returns an array
-        return [*before, *body, *self.results(statement, last)]
+        last = body.pop() if body and isinstance(body[-1], Return) else None
+        return [*before, *body, *([] if last is None or last.value is None else self.results(statement, last))]
 
     def placed(self, tree: FunctionDef, source: Source) -> FunctionDef:
         """A copy whose places are lines of the source of the whole."""
