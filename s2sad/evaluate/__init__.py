@@ -9,11 +9,9 @@ from __future__ import annotations
 
 from s2sad.evaluate.expressions.single_target import single_target
 from s2sad.evaluate.loops.counted_loops import counted_loops
-from s2sad.evaluate.loops.itertools_loops import itertools_loops
 from s2sad.passes import Pass, Passes
 
 SEQUENCES: Passes = (
-    Pass(itertools_loops),
 )
 STATEMENTS: Passes = (
     Pass(single_target),

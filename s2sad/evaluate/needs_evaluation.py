@@ -4,8 +4,8 @@
     us = [x, y]                 neither is the list that a function of arrays is given: np.concatenate([x, y])
 
 Requires a program with resolved names. Structures, tuples and lists as values of their own, slices under names,
-attributes that are assigned, questions about what an argument is, and options that a name stands for are for the
-evaluator, which leaves a program of arrays and numbers.
+attributes that are assigned, questions about what an argument is, options that a name stands for, comprehensions and
+loops through anything but a range are for the evaluator, which leaves a program of arrays and numbers.
 """
 from __future__ import annotations
 
@@ -39,7 +39,8 @@ def _is_evaluated(function: FunctionDef, program: Program) -> bool:
 
 
 def _asks(node: AST) -> bool:
-    """Whether a node makes a structure or a slice, assigns an attribute, asks what something is, or names an option."""
+    """Whether a node makes a structure or a slice, assigns an attribute, asks what something is, names an option, goes
+    through anything but a range."""
     if isinstance(node, Compare):
         return any(isinstance(op, (Is, IsNot, In, NotIn)) for op in node.ops)
     if isinstance(node, Name):
@@ -53,7 +54,9 @@ def _asks(node: AST) -> bool:
     if isinstance(node, Call):
         return call_name(node) in _ASKED or any(
             option in OPTIONS and not _is_known(value) for option, value in arguments_by_name(node))
-    return isinstance(node, Dict)
+    if isinstance(node, For):
+        return call_name(node.iter) != "builtins.range"
+    return isinstance(node, (Dict, GeneratorExp, ListComp))
 
 
 def _is_known(option: AST) -> bool:
@@ -79,7 +82,7 @@ def _returns_nothing(node: AST, program: Program) -> bool:
 
 def _spelled(node: AST) -> Iterator[AST]:
     """What belongs to the spelling of a node: the tuples of an assignment, of a return and of a subscript, the displays
-    that a function of arrays is given, those that a loop goes through."""
+    that a function of arrays is given."""
     if isinstance(node, Assign):
         for target in node.targets:
             yield from _side_by_side(target, node.value)
@@ -89,14 +92,9 @@ def _spelled(node: AST) -> Iterator[AST]:
         yield from () if isinstance(node.value, Tuple) and len(node.value.elts) == 1 else (node.value,)
     elif isinstance(node, Subscript):
         yield from _displays(node.slice)
-    elif isinstance(node, Call) and call_name(node) == "numpy.ndindex":
-        yield from node.args
     elif isinstance(node, Call) and _is_of_arrays(node):
         for given in [*node.args, *(k.value for k in node.keywords)]:
             yield from _displays(given)
-    elif isinstance(node, (For, ListComp, GeneratorExp)):
-        for loop in [node] if isinstance(node, For) else node.generators:
-            yield from walk(loop.iter) if not _takes_rows(loop) else ()
     elif isinstance(node, (Tuple, List)) and isinstance(node.ctx, Store):
         yield from node.elts
     elif isinstance(node, Call) and call_name(node) == "builtins.isinstance":
@@ -125,13 +123,6 @@ def _is_of_arrays(node: Call) -> bool:
     if isinstance(node.func, Attribute):
         return node.func.attr not in ("append", "insert", "extend")
     return not called.startswith(("user.", "builtins."))
-
-
-def _takes_rows(loop: AST) -> bool:
-    """Whether a loop has one name for several values in each round."""
-    rows = loop.iter.elts if isinstance(loop.iter, (Tuple, List)) else []
-    return isinstance(loop.target, Name) and (any(isinstance(r, (Tuple, List)) for r in rows) or call_name(
-        loop.iter) in ("builtins.zip", "builtins.enumerate"))
 
 
 def arguments_by_name(node: Call) -> Iterator[tuple[str, AST]]:

@@ -14,31 +14,59 @@ from pathlib import Path
 import gast
 import numpy as np
 
+from s2sad import read
 from s2sad import tree as t
+from s2sad.evaluate.needs_evaluation import needs_evaluation
+from s2sad.evaluate.specialize import specialize
+from s2sad.infer.types import UNKNOWN, Type, of_value
+from s2sad.interface.pytrees.file_programs import file_program
 from s2sad.naming import Names
 from s2sad.normalize import structured_form
-from s2sad.program import Program
-from s2sad.read import load_file
+from s2sad.program import DemandedFacts, Program
+
+Given = tuple[tuple[Type, tuple[int, ...]], ...]
 
 
-def program_of(text: str, name: str | None = None) -> Program:
+def program_of(text: str, name: str | None = None, given: Given = ()) -> Program:
     """The program of a function of the text, the last one unless named."""
     there = os.getcwd()
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)                # so that diagnostics say kernel.py, whatever the folder
         try:
             Path("kernel.py").write_text(text + "\nimport math\nimport numpy as np\n")
-            return load_file("kernel.py", name or re.findall(r"^def (\w+)", text, re.M)[-1])
+            program = file_program("kernel.py", name or re.findall(r"^def (\w+)", text, re.M)[-1])
+            if program.refused is not None:
+                raise program.refused
+            return residual(program, given) if needs_evaluation(program) else program
         finally:
             os.chdir(there)
 
 
+def residual(program: Program, given: Given = ()) -> Program:
+    """What the evaluator leaves of a program for arguments of these types and shapes, of which nothing may be known."""
+    function, parameters = program.function, program.kernels[program.entry].parameters
+    kinds = dict(zip(parameters, [t for t, _ in given] or [UNKNOWN] * len(parameters)))
+    shapes, facts = {(p, "shape"): shape for p, (_, shape) in zip(parameters, given)}, {}
+    while True:
+        try:
+            return read.of_captured(specialize(function, kinds, facts), function)
+        except DemandedFacts as demanded:
+            if not {*demanded.facts} <= shapes.keys() - facts.keys():
+                raise demanded.error from None
+            facts |= {fact: shapes[fact] for fact in demanded.facts}
+
+
 def form(text: str, name: str | None = None):
-    program = program_of(text, name)
-    kernel = program.kernels[program.entry]
-    tree = structured_form(kernel, Names(), program)
-    check_grammar(tree)
-    return tree
+    return forms(text, name)[-1]
+
+
+def forms(text: str, name: str | None = None, given: Given = ()):
+    """The forms of a function and of those that it calls, its own last."""
+    program = program_of(text, name, given)
+    others = [k for n, k in program.kernels.items() if n != program.entry]
+    found = [structured_form(k, Names(), program) for k in (*others, program.kernels[program.entry])]
+    check_grammar(found[-1])
+    return found
 
 
 def printed(tree) -> str:
@@ -56,25 +84,27 @@ def shown(text: str, name: str | None = None) -> str:
 
 def run_both(text: str, *arguments, name: str | None = None):
     """Outcome of the function and of its form: result or exception, and the arguments afterwards."""
-    return [_outcome(f, copy.deepcopy(arguments)) for f in _both(text, name)]
+    given = tuple((of_value(a), np.shape(a)) for a in arguments)
+    return [_outcome(f, copy.deepcopy(arguments)) for f in _both(text, name, given)]
 
 
 @lru_cache(maxsize=1)
-def _both(text: str, name: str | None):
+def _both(text: str, name: str | None, given: Given):
     """The function and its form, for all the arguments that follow each other."""
     original: dict = {"np": np, "math": math}
     exec(text, original)
-    tree = form(text, name)
+    *others, tree = forms(text, name, given)
     scope: dict = {"builtins__" + n: getattr(builtins, n) for n in dir(builtins)}
-    scope.update({"user__" + n: f for n, f in original.items() if callable(f)})
     scope.update({"math__" + n: getattr(math, n) for n in dir(math)})
-    for node in t.walk(tree):
+    for node in t.walk([*others, tree]):
         if isinstance(node, t.Name) and node.id.startswith("numpy."):
             found = np
             for part in node.id.split(".")[1:]:
                 found = getattr(found, part)
             scope[node.id.replace(".", "__")] = found
-    exec(printed(tree), scope)
+    for function in (*others, tree):
+        exec(printed(function), scope)
+        scope["user__" + function.name] = scope[function.name]
     return original[tree.name], scope[tree.name]
 
 

@@ -1,23 +1,20 @@
 """Every `for` counts: `for name in range(...)`, the name bound nowhere else and not read after the loop.
 
     def f(u: float64[:], v: float64[:], n: int64):      def f(u, v, n):
-        for k, e in enumerate(u):                           for k in range(len(u)):
-            v[k] += k * e                                       e = u[k]
-        for w in (u, v):                                        v[k] += k * e
-            w[0] = 2.0 * w[1]                               w = u
-        for i in range(n):                                  w[0] = 2.0 * w[1]
-            n = n - 1                                       w = v
-            u[i] = v[n]                                     w[0] = 2.0 * w[1]
-        return u[i]                                         stop = n
-                                                            for i_index in range(stop):
+        for w in (u, v):                                    w = u
+            w[0] = 2.0 * w[1]                               w[0] = 2.0 * w[1]
+        for i in range(n):                                  w = v
+            n = n - 1                                       w[0] = 2.0 * w[1]
+            u[i] = v[n]                                     stop = n
+        return u[i]                                         for i_index in range(stop):
                                                                 i = i_index
                                                                 n = n - 1
                                                                 u[i] = v[n]
                                                             return u[i]
 
-*Requires* what `single_exit` establishes. *Establishes* that every loop has a counter of its own: a sequence that is
-spelled out is written out, the loops of `np.ndindex` are nested, bounds that the body changes are held in names before
-the loop.
+*Requires* what `single_exit` establishes, and loops over ranges or what is spelled out. *Establishes* that every loop
+has a counter of its own: a sequence that is spelled out is written out, bounds that the body changes are held in names
+before the loop.
 """
 from __future__ import annotations
 
@@ -26,25 +23,24 @@ from collections.abc import Callable
 from s2sad.evaluate.loops.table_columns import Column, bound_columns
 from s2sad.evaluate.loops.late_reads import is_read_late, plain_item
 from s2sad.evaluate.completion import BREAK, completion
-from s2sad.evaluate.loops.ndindex import IndexLoops, is_index_loop
 from s2sad.evaluate.live_after_loops import live_after_loops
 from s2sad.evaluate.effects import bindings, parameters
 from s2sad.evaluate.loops.unrolling import Rounds
 from s2sad.evaluate.scope import KernelScope
-from s2sad.evaluate.loops.iterators import Hold, literal, sequence
+from s2sad.evaluate.loops.literal_sequences import literal
 from s2sad.evaluate.expressions.unpack import unpack
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Not, Subscript, Tuple,
-    UnaryOp, While, assign, at, attribute, call, call_name, const, copy, counted_for, dump, function, index, name,
-    names, rebuild, stored_names, tuple_of, walk, walk_statements,
+    UnaryOp, While, assign, at, call, const, copy, counted_for, dump, function, index, name, names, stored_names,
+    tuple_of, walk, walk_statements,
 )
 
+Hold = Callable[[AST, str], AST]        # an expression that keeps its value throughout the loop, with a wanted name
 LONGEST = 16                            # the longest sequence that is written out
 FEWEST = 4                              # items of a loop over numbers that stays one
 
 
 def counted_loops(tree: FunctionDef, scope: KernelScope) -> FunctionDef:
-    tree = rebuild(tree, _over_indices)
     scope.begin(tree)
     made = _Loops(tree, scope)
     body = made.block(tree.body)
@@ -77,23 +73,16 @@ class _Loops:
     def _for(self, node: For) -> list[AST]:
         body = self.block(node.body)
         before: list[AST] = []
-        if is_index_loop(node):
-            unsafe = stored_names(node.target)[0] in self._live[id(node)]
-            return IndexLoops(node, self._scope, self._hold(node, before), self._copied).nested(body, before, unsafe)
         items = self._spelled_out(node.iter)
         if items is not None:
             return self._over_columns(node, items, body) or self._written_out(node, items, body)
-        found = sequence(node.iter, self._hold(node, before), self._scope)
-        if found is None:
-            return []
-        counter = _counter_of(node)
-        if counter is None or counter in self._copied:
-            wanted = node.target.id if isinstance(node.target, Name) else counter
-            counter = self._scope.fresh(f"{wanted}_index" if wanted else "index")
-        bound = _without_counter(node.target, found.item(name(counter)), counter)
-        if bound is not None:
-            body = [*(at(s, node) for s in unpack([bound[0]], bound[1], self._scope)), *body]
-        return [*before, counted_for(counter, found.bounds, body)] if body else before
+        hold, roles = self._hold(node, before), ["stop"] if len(node.iter.args) == 1 else ["start", "stop", "step"]
+        bounds = [hold(b, wanted) for b, wanted in zip(node.iter.args, roles)]
+        counter = node.target.id
+        if counter in self._copied:
+            counter = self._scope.fresh(f"{counter}_index")
+            body = [at(assign(node.target.id, name(counter)), node), *body]
+        return [*before, counted_for(counter, bounds, body)] if body else before
 
     def _hold(self, node: For, before: list[AST]):
         """How an expression keeps its value throughout the loop: as it is, or through a name before it."""
@@ -102,9 +91,7 @@ class _Loops:
 
         def hold(value: AST, wanted: str) -> AST:
             changes = stored & set(names(value)) or self._scope.memory.affected(value, written)
-            if changes or (wanted == "items" and not isinstance(value, Name)):
-                return self._scope.held(value, wanted, before)
-            return value
+            return self._scope.held(value, wanted, before) if changes else value
         return hold
 
     def _spelled_out(self, iterable: AST) -> list[AST] | None:
@@ -174,31 +161,6 @@ def _kept(item: AST, hold: Hold) -> AST:
     return plain_item(item) if is_read_late(item) else hold(item, "held")
 
 
-def _over_indices(node: AST) -> AST | None:
-    """`for (i, j), v in np.ndenumerate(x)` goes over the indices."""
-    if not isinstance(node, For) or call_name(node.iter) != "numpy.ndenumerate":
-        return None
-    pair = node.target.elts if isinstance(node.target, Tuple) and len(node.target.elts) == 2 else []
-    array = node.iter.args[0] if len(node.iter.args) == 1 else None
-    if not pair or not isinstance(pair[0], Tuple) or not isinstance(array, Name) or array.id in stored_names(node):
-        return None
-    places = [name(n) for n in stored_names(pair[0])]
-    item = at(assign(pair[1], index(copy(array), *places)), node)
-    over = at(call("numpy.ndindex", attribute(copy(array), "shape")), node.iter)
-    return at(For(pair[0], over, [item, *(rebuild(s, _over_indices) for s in node.body)], [], None), node)
-
-
-def _counter_of(node: For) -> str | None:
-    """The user's name that counts this loop: i in `for i in range(n)` and `for i, v in enumerate(x)`."""
-    called, target = call_name(node.iter), node.target
-    reverse = called == "builtins.reversed" and node.iter.args and call_name(node.iter.args[0]) == "builtins.range"
-    if isinstance(target, Name):
-        return target.id if called == "builtins.range" or reverse else None
-    plain = called == "builtins.enumerate" and len(node.iter.args) == 1 and not node.iter.keywords
-    first = target.elts[0] if isinstance(target, Tuple) and len(target.elts) == 2 else None
-    return first.id if plain and isinstance(first, Name) else None
-
-
 def _copied(tree: FunctionDef, live: dict[int, set[str]], written_out: Callable[[For], bool]) -> set[str]:
     """The names that something other than a loop's count binds, or that are read after their loop."""
     found = set(parameters(tree))
@@ -206,22 +168,11 @@ def _copied(tree: FunctionDef, live: dict[int, set[str]], written_out: Callable[
         if isinstance(node, (Assign, AugAssign)):
             found |= set(stored_names(node))
         elif isinstance(node, For):
-            targets = stored_names(node.target)
-            counter = None if written_out(node) else _counter_of(node)
-            counting = targets if is_index_loop(node) else [] if counter is None else [counter]
-            found |= {n for n in targets if n not in counting or targets.count(n) > 1}
-            found |= set(counting) & (live[id(node)] | set(stored_names(node.body)))
+            if written_out(node):
+                found |= set(stored_names(node.target))
+            elif node.target.id in live[id(node)] | set(stored_names(node.body)):
+                found.add(node.target.id)
     return found
-
-
-def _without_counter(target: AST, value: AST, counter: str) -> tuple[AST, AST] | None:
-    """What is left to bind where the counter is a target itself."""
-    if isinstance(target, Name) and isinstance(value, Name) and target.id == value.id:
-        return None
-    if isinstance(target, Tuple) and isinstance(target.elts[0], Name) and target.elts[0].id == counter \
-            and isinstance(value, Tuple) and len(value.elts) == 2:
-        return target.elts[1], value.elts[1]
-    return target, value
 
 
 def _flagged(statements: list[AST], flag: str) -> list[AST]:

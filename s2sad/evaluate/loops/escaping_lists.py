@@ -19,7 +19,7 @@ Requires resolved names.
 from __future__ import annotations
 
 from s2sad.evaluate.effects import bindings, parameters
-from s2sad.evaluate.loops.iterators import literal
+from s2sad.evaluate.loops.literal_sequences import literal
 from s2sad.evaluate.scope import KernelScope
 from s2sad.infer.call_types import LISTED
 from s2sad.tree import (

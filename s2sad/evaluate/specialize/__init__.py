@@ -22,7 +22,7 @@ from s2sad.evaluate.specialize.separate import separate_call
 from s2sad.evaluate.specialize.sparse import matrix_construction, matrix_operations, matrix_values
 from s2sad.evaluate.specialize.sequences import (
     constant_tables, container_methods, containers, cursors, gathering, generators, iteration, iterator_use,
-    shared_rows,
+    nested_ranges, shared_rows,
 )
 
 __all__ = [
@@ -30,7 +30,7 @@ __all__ = [
     "comparisons", "compound_statements", "constant_tables", "construction", "container_methods", "containers",
     "cursors", "definitions", "displays", "file_values", "frames", "function_calls", "gathering", "generators",
     "guard_statements", "iteration", "iterator_use", "library_calls", "live_values", "loop_statements",
-    "matrix_construction", "matrix_operations", "matrix_values", "meanings", "numeric_operators", "object_functions",
-    "residual_loops", "separate_call", "shape_changes", "shared_rows",
+    "matrix_construction", "matrix_operations", "matrix_values", "meanings", "nested_ranges", "numeric_operators",
+    "object_functions", "residual_loops", "separate_call", "shape_changes", "shared_rows",
     "specialize", "spelling", "standard_library", "subscripts", "unread", "written_out_loops",
 ]

@@ -240,6 +240,7 @@ def _augmented_part(ev: Evaluator, s: Any, base: Any, key: Any, f: Frame) -> Non
     at, effects, rebound = len(ev.block), ev.effects, len(ev.rebound)
     value = ev.value(s.value, f)
     changes, is_part = ev.effects > effects, isinstance(key, (str, SliceValue))
+    is_part |= base.is_list and not any(_may_fill(n, base.name) for s in ev.block[at:] for n in tree.walk(s))
     if changes:
         before = len(ev.block)
         gone = {*ev.rebound[rebound:]}
@@ -248,7 +249,8 @@ def _augmented_part(ev: Evaluator, s: Any, base: Any, key: Any, f: Frame) -> Non
         at += len(ev.block) - before
     place = tree.attribute(base.node, key) if isinstance(key, str) else ev.subscripted(base, key, s)
     ev.refuse_no_number(value, s)
-    if changes and not is_part:
+    picks = isinstance(key, Data) and base.shape is not None and len(base.shape) == 1     # numbers, which are copied
+    if changes and not is_part and not picks:
         if not base.shape or _rank(key) > len(base.shape):
             raise ev.refusal(s, "what is added to an element changes something first",
                              help="give it a name in a statement of its own before")
@@ -261,6 +263,13 @@ def _augmented_part(ev: Evaluator, s: Any, base: Any, key: Any, f: Frame) -> Non
         ev.emit(tree.assign(place, ev.spelled(ev.binary(s.op, whole, value, s, f), s)), s, True)
     else:
         ev.emit(tree.augment(place, s.op, ev.spelled(value, s)), s, True)
+
+
+def _may_fill(node: AST, listed: str) -> bool:
+    """Whether a part of a statement may put something else into a list of the residual program."""
+    stores = isinstance(node, tree.Subscript) and not isinstance(node.ctx, tree.Load)
+    return (stores or isinstance(node, tree.Call)) and any(
+        isinstance(n, tree.Name) and n.id == listed for n in tree.walk(node))
 
 
 def _rank(key: Any) -> int:

@@ -100,7 +100,7 @@ class Evaluator(Operations):
         self.annotated: dict[int, dict[str, AST]] = {}      # the annotations in their bodies
         self.live: dict[int, Value] = {}                    # objects of modules, by id
         self.held: list[Any] = []
-        self.loops_of: dict[Any, AST] = {}                      # the loops of comprehensions
+        self.loops_of: dict[Any, Any] = {}                      # the loops of comprehensions
         self.loops: list[Any] = []                              # residual loops around
         self.returned: list[tuple[AST, Value, dict[int, Object]]] = []
         self.depth = self.emitted = 0

@@ -36,11 +36,8 @@ def spelled(ev: Evaluator, value: Value, origin: AST) -> AST:
         return tree.at(tree.name(ev.library(value.path)), origin)
     if isinstance(value, SliceValue):
         raise ev.unknown(origin, "a slice that is no subscript", help="write the slice where it is used: x[a:b]")
-    if isinstance(value, Iteration) and value.kind in ("range", "zip", "enumerate", "reversed"):
+    if isinstance(value, Iteration) and value.kind == "range":
         return tree.at(tree.call(value.kind, *(spelled(ev, v, origin) for v in value.parts)), origin)
-    if isinstance(value, Iteration) and value.kind.startswith("numpy."):
-        called = tree.at(tree.name(ev.library(value.kind)), origin)
-        return tree.at(tree.Call(called, [spelled(ev, v, origin) for v in value.parts], []), origin)
     if isinstance(value, FunctionValue):
         return tree.at(tree.name(ev.residual_function(value, origin)), origin)
     if isinstance(value, MethodValue) and value.name == "flat" and isinstance(value.base, Data):

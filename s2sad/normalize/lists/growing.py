@@ -30,7 +30,7 @@ from s2sad.evaluate.loops.list_iteration import list_iteration
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BoolOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, Gt,
     IfExp, List, ListComp, Name, Not, Return, Slice, Store, Subscript, Tuple, USub, UnaryOp, add, assign, at, augment,
-    call, call_name, compare, const, copy, head_copy, index, indices, name, names, rebuild, rename, stored_names, sub,
+    call, call_name, compare, const, copy, head_copy, index, indices, name, rebuild, rename, stored_names, sub,
     walk, walk_statements,
 )
 
@@ -39,6 +39,7 @@ _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "re
 _REBOUND = ("pick its elements by written numbers, or in loops through it, and give it no second name; or allocate an "
          "array before and fill it in a for loop")
 _SAME = ("numpy.asarray", "numpy.ascontiguousarray")
+_LIST = next(m for m, kind in MARKS.items() if kind == "list")
 _EXTREME = {"builtins.max": "numpy.max", "builtins.min": "numpy.min"}      # of one list
 
 
@@ -142,7 +143,7 @@ class _GrowingLists:
         if appended in self.made:
             count = self.counts[appended]
             item = statement.value.args[0]
-            item = marked(item)
+            item = call(_LIST, item) if isinstance(item, Name) and item.id in self.made else marked(item)
             known = self.sizes.get(appended) is not None
             place = known and self.append_index(appended, loops) or name(count)
             return [assign(index(name(appended), place), self.read(item)), augment(count, Add(), const(1))]
@@ -152,10 +153,9 @@ class _GrowingLists:
         bound = next((n for n, s in self.made.items() if s is statement), None)
         if bound is not None:
             return self.allocation(bound, statement)
-        if isinstance(statement, For) and {n for s in walk(statement.body) if (n := _appended(s))} & {
-                *names(statement.iter)} & self.made.keys():
-            self.scope.refuse(statement.iter, "a list that grows while it is gone through",
-                              help="write a while loop: while k < len(us)")
+        if isinstance(target, Name) and isinstance(statement.value, Name) and statement.value.id in self.made:
+            self.scope.refuse(statement, f"{target.id!r} is bound to another list", help=_REBOUND)
+            return [statement]
         new = head_copy(statement)
         for field in statement._fields:
             inner = getattr(statement, field)

@@ -49,7 +49,8 @@ def copies_in_tuples(function: FunctionDef, context: NormalContext) -> None:
             ts = []
             for k in range(n):
                 ts.append((x, x))
-            for p, q in ts:
+            for k in range(n):
+                p, q = ts[k]
                 p[0] += q[1]
             return x[0]
 

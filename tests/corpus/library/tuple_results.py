@@ -104,9 +104,8 @@ def cases():
              "with return_index= is not known: leave the option out"),
             (walked,
              "S203 at `np.unique(k, False, True)`: the type of 'items' cannot be inferred: what numpy.unique "
-             "gives with return_inverse= is not known: leave the option out\nS203 at `for part in np.unique(k, "
-             "False, True):`: the type of 'part' cannot be inferred: write it with operations on numbers and "
-             "arrays that are known"),
+             "gives with return_inverse= is not known: leave the option out\nS203 at `part`: the type of 'part' "
+             "cannot be inferred: write it with operations on numbers and arrays that are known"),
             (summed,
              "S301 at `np.unique(k, True)`: no derivative rule for numpy.unique: write it as a loop over the "
              "elements"),

@@ -168,6 +168,5 @@ def cases():
         yield Case(kernel, (X,), "x")
     # refused
     yield Case(picked_by_a_variable, (X,), of=None, refused=(
-        "S201 at `[w * w for w in ws]`: 'ws' is a list that a comprehension binds anew: pick its elements "
-        "by written numbers, or in loops through it, and give it no second name; or allocate an array "
-        "before and fill it in a for loop"))
+        "S201 at `[w * w for w in ws]`: 'ws' is bound to another list: pick its elements by written numbers, or in "
+        "loops through it, and give it no second name; or allocate an array before and fill it in a for loop"))

@@ -458,5 +458,5 @@ def cases():
                    "only the run knows how long it becomes, and one of them may be written: put a copy there: list(w)")
     yield Case(grows_while_gone_through, (X,), "x", refused="S201 at `us`: a list that grows while it is gone through: "
                "write a while loop: while k < len(us)")
-    yield Case(part_that_changes, (X,), "x", refused="S201 at `h[:-1]`: a part of a list: allocate an array before and "
-               "fill it in a for loop")
+    yield Case(part_that_changes, (X,), "x", refused="S201 at `h[:-1]`: a part of a list that changes while it is "
+               "gone through: allocate an array before and fill it in a for loop")

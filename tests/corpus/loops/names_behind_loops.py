@@ -1,6 +1,8 @@
 """What loops within loops bind, read behind them where the last rounds of the outer one have none of the inner; `else`
-of a loop that goes through a generator."""
+of loops that go through several ranges, or through a generator."""
 from __future__ import annotations
+
+import itertools
 
 import numpy as np
 
@@ -28,6 +30,13 @@ def computed(x, n):
             q = y
             s += x[j]
     return s * q
+
+
+def combined(x, n):
+    s = 0.0
+    for i, j in itertools.combinations(range(n), 2):
+        s += x[j] * x[i]
+    return s * x[i]
 
 
 def pairs(n):
@@ -73,8 +82,26 @@ def bound_where_it_is_left(x, n):
     return np.sum(best) + np.sum(u)
 
 
+def otherwise(x, n):
+    s = 0.0
+    for i, j in np.ndindex(n, 2):
+        s += x[i] * x[j]
+        if s > 20.0:
+            break
+    else:
+        s *= x[0]
+    for k, v in enumerate(x[:n]):
+        if v > 2.0:
+            s += v * k
+            break
+    else:
+        s *= x[1]
+    return s * x[k]
+
+
 def cases():
-    for kernel in (counter, computed, generated, left, bound_where_it_is_left):
+    for kernel in (counter, computed, combined, generated, left, bound_where_it_is_left, otherwise):
         for n in (2, 3, 4):
             yield Case(kernel, (X, n), ("x",))
     yield Case(left, (X - 2.0, 4), ("x",))
+    yield Case(otherwise, (4.0 * X, 4), ("x",))

@@ -9,7 +9,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from s2sad import tree
@@ -63,6 +63,16 @@ def peeled(ev: Evaluator, s: Any, f: Frame, split: Split, rest: Callable[[], Any
 
 def split_iteration(ev: Evaluator, through: Value, node: AST) -> Split | None:
     """The first item apart, None where it cannot be had without the others."""
+    if isinstance(through, Data) and through.is_list:
+        length = tree.call("len", ev.spelled(through, node))
+        return split_iteration(ev, Iteration("part", (through, Iteration("range", (constant(0), ev.named(
+            Data(tree.at(length, node), shape=()), "stop", node))))), node)
+    if isinstance(through, Iteration) and through.kind == "part":
+        inner = split_iteration(ev, through.parts[1], node)
+        if inner is None:
+            return None
+        first = ev.named(ev.item_of(through.parts[0], inner.first, node, ev.entry), "first", node)
+        return replace(inner, first=first, rest=replace(through, parts=(through.parts[0], inner.rest)))
     if isinstance(through, Data):
         base = ev.spelled(through, node)
         first = Data(tree.at(tree.index(base, tree.const(0)), node),

@@ -82,12 +82,17 @@ def read_outside(ev: Evaluator, n: int, names: Iterable[Any], origin: AST, f: Fr
     inside = {id(origin), *(id(loop[2]) for loop in ev.loops if isinstance(loop, tuple) and len(loop) > 2)}
     inside |= {id(node) for (node, _), text in ev.loops_of.items() if id(text) in inside}
     found: set[Any] = {k for k in names if not isinstance(k, str)}
-    work: list[AST] = [frame.captured.tree]
+    work: list[tuple[AST, frozenset[str]]] = [(frame.captured.tree, frozenset())]
     while work:
-        node = work.pop()
+        node, bound = work.pop()
         if id(node) in inside:
             continue
-        if isinstance(node, tree.Name) and isinstance(node.ctx, tree.Load):
+        if isinstance(node, tree.Name) and isinstance(node.ctx, tree.Load) and node.id not in bound:
             found.add(node.id)
-        work += tree.children(node)
+        if isinstance(node, tree.For) and not any(id(n) in inside for n in tree.walk(node)):
+            own = bound.union(tree.stored_names(node.target))       # another loop has bound them itself
+            work += [(n, bound) for n in (node.iter, *node.orelse)]
+            work += [(n, own) for n in node.body]
+            continue
+        work += [(n, bound) for n in tree.children(node)]
     return found

@@ -2,22 +2,25 @@
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.sequences.constant_tables import lists_in
+from s2sad.evaluate.specialize.sequences.counted_sequence import counted_sequence, refuse_changes
 from s2sad.evaluate.specialize.sequences.cursors import Known
 from s2sad.evaluate.specialize.sequences.generators import is_lazy
-from s2sad.evaluate.specialize.sequences.known_shapes import item_like, like_items
+from s2sad.evaluate.specialize.sequences.nested_ranges import NESTED
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation, statement
 from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unevaluated
 from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.control.first_iteration import Split, peeled, split_iteration
+from s2sad.evaluate.specialize.control.loop_closed_names import read_outside
 from s2sad.evaluate.specialize.control.residual_loops import ResidualLoop
-from s2sad.evaluate.specialize.values import NONE, Data, Iteration, TupleValue, Value, alike
+from s2sad.evaluate.specialize.separate.needed_numbers import needed_numbers
+from s2sad.evaluate.specialize.values import NONE, Data, Iteration, TupleValue, Value, alike, constant
 from s2sad.evaluate.specialize.control.written_out_loops import WhileCursor
 from s2sad.tree import AST
 
@@ -43,12 +46,9 @@ def while_statement(ev: Evaluator, s: Any, f: Frame) -> None:
             ev.statements(s.body, f)
             return loop.make
         ev.residual_loop(s, once, f)
-        if s.orelse:
-            raise ev.refusal(s, "else of a loop that stays one is not supported in a kernel",
-                             help="keep a flag, and test it behind the loop")
     known = test_known(ev, s, f)
-    if known is False:
-        ev.statements(s.orelse, f)
+    if known is False or s.orelse:
+        ev.statements(s.orelse, f) if known is False else ev.while_with_else(s, f)
         return
 
     def peel() -> None:
@@ -60,10 +60,12 @@ def while_statement(ev: Evaluator, s: Any, f: Frame) -> None:
 
 
 def test_known(ev: Evaluator, s: Any, f: Frame) -> bool | None:
-    """The test of a loop before its first round, None where it is not known."""
+    """The test of a loop before its first round, None where it is not known; what the test does is done where there is
+    no round."""
     before = ev.snapshot()
     test = ev.test_of(s.test, f)
-    ev.restore(before)
+    if test is not False:
+        ev.restore(before)
     return None if isinstance(test, Data) else test
 
 
@@ -97,9 +99,14 @@ def _tells_more(ev: Evaluator, reason: Unevaluated, other: Unevaluated) -> bool:
 
 @statement("For")
 def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
-    whole = ev.value(s.iter, f)
-    if not isinstance(whole, Iteration) or whole.kind != "range":       # a range that stays is read as it is
-        whole = ev.atoms(whole, "iterated", s.iter)
+    whole = ev.gone_through(s.iter, f)
+    if isinstance(whole, Iteration) and whole.kind in NESTED:
+        whole = ev.nested(whole, s.target, s.iter, f)
+    elif not _is_range(whole):       # a range that stays is read as it is
+        whole = ev.atoms(whole, "items", s.iter)
+    if s.orelse and ev.stays_one(whole) and not _has_known_rounds(ev, whole, s, f) and not isinstance(
+            s.target, (tree.Subscript, tree.Attribute)):
+        whole = ev.one_loop(whole, s.target, s.iter, f)
     ev.used(whole, s.iter)
     if is_lazy(whole):
         ev.for_lazy(s, whole, f)
@@ -109,19 +116,19 @@ def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     def bind(item: Value) -> None:
         ev.store(s.target, item, f)
 
-    def held() -> Value:
-        through = ev.atoms(whole, "iterated", s.iter)
+    def held(sequence: Value) -> Value:
+        through = ev.atoms(sequence, "iterated", s.iter)
         ev.heap.put(f.reference, slot, through)      # its names are in use
         return through
 
     def unroll() -> None:
-        cursor = ev.cursor_of(held(), s.iter, f)
+        cursor = ev.cursor_of(held(whole), s.iter, f)
         if isinstance(cursor, Known):       # the names of what is to come are in use
             ev.heap.put(f.reference, slot, TupleValue(cursor.items))
         ev.unrolled(s, cursor, f, bind)
 
     def peel() -> None:
-        split = split_iteration(ev, held(), s.iter)
+        split = split_iteration(ev, held(whole), s.iter)
         if split is None:
             raise ev.unknown(s, "the first round of a loop differs from the others")
         ev.heap.put(f.reference, slot, TupleValue((split.first, split.rest)))
@@ -129,13 +136,17 @@ def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
 
     def stays() -> None:
         lists = lists_in(ev, whole)
-        for_stays(ev, s, tables, f)
+        start = len(ev.block)
+        loop = for_stays(ev, s, through if _is_range(through) else held(through), f)
+        if short is not None and _needs_numbers(loop, ev.block[start:]):
+            raise ev.unknown(s.iter, "the numbers that a loop goes through must be known in it")
         if any(len(before) != len(ev.heap.objects[n].items) or not all(
                 map(alike, before.values(), ev.heap.objects[n].items.values())) for n, before in lists):
             raise ev.unknown(s.iter, "a list is changed by the loop that goes through it")
 
-    tables = ev.through_tables(whole, s.iter)
-    if ev.stays_one(tables):
+    short = ev.through_short_tables(whole, s)
+    through = ev.through_tables(whole, s.iter) if short is None else short
+    if ev.stays_one(through):
         rolled(ev, s, stays, peel, unroll)
     else:
         unroll()
@@ -144,40 +155,117 @@ def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     ev.heap.set_items(f.reference, items)
 
 
-def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> None:
-    """A loop over numbers and arrays that stays one."""
+def _needs_numbers(loop: ResidualLoop, statements: list[AST]) -> bool:
+    """Whether something in a loop depends on which numbers it goes through, other than what is computed and picked: a
+    part of an array that has a name may be apart from others, or not."""
+    body = next(n for n in reversed(statements) if isinstance(n, tree.For)).body
+    bound = [s for s in tree.walk(body) if isinstance(s, (tree.Assign, tree.AugAssign))
+             and not loop.targets & {*tree.stored_names(s)}]
+    numbers = set(loop.targets)
+    while more := {n for s in bound if numbers & {*_computed_with(s.value)} for n in tree.stored_names(s)} - numbers:
+        numbers |= more
+    changes = loop.home_names() & {n for s in bound if isinstance(s, tree.Assign) for n in tree.stored_names(s)}
+    return bool(changes) or any(isinstance(s.value, tree.Subscript) for s in bound) or bool(needed_numbers(
+        body, dict.fromkeys(numbers, 1), picks=True))
+
+
+def _computed_with(node: AST) -> list[str]:
+    """The names of an expression that are not in a subscript."""
+    if isinstance(node, (tree.Name, tree.Subscript)):
+        return [node.id] if isinstance(node, tree.Name) else []
+    return [n for c in tree.children(node) for n in _computed_with(c)]
+
+
+def _has_known_rounds(ev: Evaluator, through: Value, s: Any, f: Frame) -> bool:
+    """Whether a loop can be written out."""
+    before = ev.snapshot()
+    try:
+        ev.cursor_of(through, s.iter, f)
+    except Unevaluated:
+        return False
+    finally:
+        ev.restore(before)
+    return True
+
+
+def _is_range(through: Value) -> bool:
+    return isinstance(through, Iteration) and (
+        through.kind == "range" or through.kind == "reversed" and _is_range(through.parts[0]))
+
+
+def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> ResidualLoop:
+    """A loop over numbers and arrays that stays one, and counts."""
     if s.orelse:
         raise ev.unknown(s, "else of a loop that stays one is not supported in a kernel")
     names = [n.id for n in tree.walk(s.target) if isinstance(n, tree.Name)]
     if not all(isinstance(n, (tree.Name, tree.Tuple, tree.List)) for n in tree.walk(s.target)):
         raise ev.unknown(s.target, "a loop over items of a structure")
-    own: dict[str, str] = {}
-    node = ev.spelled(through, s.iter)
-    items = like_items(s.target, item_like(through))
-
-    def placed(n: str, like: Value) -> Value:
-        """A name for what a round takes, for each item of what is a tuple."""
-        if isinstance(like, TupleValue):
-            return TupleValue(tuple(placed(f"{n}_{k}", i) for k, i in enumerate(like.items)))
-        own.setdefault(n, before.get(n) or ev.fresh(n))
-        assert isinstance(like, Data)
-        return replace(like, node=tree.at(tree.name(own[n]), s.target))
+    sequence = counted_sequence(ev, through, s.iter)
+    counting = _counting_name(s.target, sequence.item(tree.name("")))
+    own = _own_targets(ev, names, s, f)
+    loops: list[ResidualLoop] = []
 
     def once() -> Callable[[list[AST]], AST]:
-        found = {n: placed(n, items.get(n, Data(tree.const(None)))) for n in names}
-        for n, value in found.items():
-            ev.heap.put(f.reference, n, value)
-        target = tree.rebuild(s.target, lambda n: ev.spelled(found[n.id], n) if isinstance(n, tree.Name) else None)
+        own.update({n: ev.fresh(n) for n in names if n not in there})
+        counter = own[counting] if counting else ev.fresh("index")
         loop = ev.loops[-1]
-        loop.targets = frozenset(own.values())
-        loop.make = lambda body: tree.For(tree._target(target), tree.copy(node), body, [], None)
+        loops.append(loop)
+        loop.targets = frozenset({counter, *own.values()})
+        loop.make = lambda body: tree.For(tree._target(tree.name(counter)), tree.call(
+            "range", *map(tree.copy, sequence.bounds)), body, [], None)
+        _bind_items(ev, s.target, sequence.item(tree.at(tree.name(counter), s.target)), own, f)
         ev.statements(s.body, f)
         return loop.make
-    held = ev.heap[f.reference].items
-    before = {n: v.name for n in names if isinstance(v := held.get(n), Data) and ev.owns(v.name)}
-    ev.rebound += before.values()
-    ev.heap.set_items(f.reference, {k: v for k, v in held.items() if k not in names})
+    there = {*own}
+    start = len(ev.block)
     ev.residual_loop(s, once, f)
+    refuse_changes(ev, through, ev.block[start:], s.iter)
+    return loops[-1]
+
+
+def _own_targets(ev: Evaluator, names: Sequence[str], s: Any, f: Frame) -> dict[str, str]:
+    """The residual names of a loop's targets that are bound before it: they keep what they hold where there is no
+    round, as far as that is read behind the loop."""
+    held = ev.heap[f.reference].items
+    there = {n: held[n] for n in names if n in held}
+    read = read_outside(ev, f.reference.number, there, s, f) if there else ()
+    found: dict[str, str] = {}
+    for n, value in there.items():
+        found[n] = value.name if isinstance(value, Data) and ev.owns(value.name) else ev.fresh(n)
+        kept = isinstance(value, Data) and not (value.is_known and value.known is None)
+        if n in read and not kept and not isinstance(value, Data):
+            raise ev.unknown(s.target, f"'{n}' is a structure before a loop that binds it, and read behind it")
+        if n in read and isinstance(value, Data) and kept and value.name != found[n]:
+            ev.emit(tree.assign(found[n], ev.spelled(value, s)), s)
+        ev.heap.put(f.reference, n, Data(tree.at(tree.name(found[n]), s.target)))
+    ev.rebound += found.values()
+    return found
+
+
+def _counting_name(target: Any, item: Value) -> str:
+    """The name of a target that the count itself is bound to, first of all; "" if there is none."""
+    if isinstance(target, tree.Name):
+        return target.id if isinstance(item, Data) and isinstance(item.node, tree.Name) else ""
+    return _counting_name(target.elts[0], item.items[0]) if isinstance(item, TupleValue) and target.elts else ""
+
+
+def _bind_items(ev: Evaluator, target: Any, item: Value, own: Mapping[str, str], f: Frame) -> None:
+    """The names of a loop's target get the items of a round, each under one name in all of them."""
+    if isinstance(target, tree.Name) and isinstance(item, Data):
+        if item.name != own[target.id]:
+            ev.emit(tree.assign(own[target.id], item.node), target)
+        ev.heap.put(f.reference, target.id, replace(item, node=tree.at(tree.name(own[target.id]), target)))
+    elif isinstance(target, tree.Name):
+        ev.store(target, item, f)
+    elif isinstance(item, TupleValue):
+        if len(item.items) != len(target.elts):
+            raise ev.refusal(target, f"{len(target.elts)} targets for {len(item.items)} values", code="S203")
+        for t, i in zip(target.elts, item.items):
+            _bind_items(ev, t, i, own, f)
+    else:
+        whole = ev.named(item, "row", target)  # pyright: ignore[reportArgumentType]
+        for k, t in enumerate(target.elts):
+            _bind_items(ev, t, ev.item_of(whole, constant(k), target, f), own, f)
 
 
 @statement("Break")

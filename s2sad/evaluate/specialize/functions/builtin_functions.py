@@ -47,6 +47,9 @@ def _enumerate(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame)
 
 @function("builtins.reversed")
 def _reversed(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    if isinstance(args[0], Iteration) and args[0].kind not in ("range", "keys", "values", "items"):
+        given = node.args[0] if isinstance(node, tree.Call) and node.args else node
+        raise ev.refusal(given, "reversed() of this", help="reverse a range or an array")
     return ev.iterator("reversed", args[0])
 
 
@@ -275,7 +278,15 @@ def _exit(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 def _sum(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
     if isinstance(args[0], Data) or isinstance(args[0], Iteration) and args[0].kind == "range":
         return None
-    items, start = ev.items_of(args[0], node, f), [*args[1:], *options.values()]
+    start = [*args[1:], *options.values()]
+    before = ev.snapshot()
+    try:
+        items = ev.items_of(args[0], node, f)
+    except Unevaluated:
+        if not isinstance(args[0], Iteration) or args[0].kind != "generator":
+            raise
+        ev.restore(before)
+        return ev.total_of(args[0], start[0] if start else constant(0), node)
     if items and all(isinstance(v, Data) and not v.is_list for v in (*items, *start)) and not all(
             isinstance(v, Data) and v.is_known for v in (*items, *start)):
         for v in (*items, *start):

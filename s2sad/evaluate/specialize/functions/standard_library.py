@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable
 from dataclasses import replace
 from typing import Any
 
@@ -13,9 +13,10 @@ from s2sad.evaluate.specialize.numeric_operators import OPERATORS
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Options, function
+from s2sad.evaluate.specialize.sequences.nested_ranges import COMBINED, rows_of
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    LARGEST_SEQUENCE, Data, FunctionValue, LibraryValue, Reference, ScopeValue, TupleValue, Value,
+    Data, FunctionValue, Iteration, LibraryValue, Reference, ScopeValue, TupleValue, Value,
 )
 from s2sad.read.outside_values import LibraryScope
 from s2sad.tree import AST
@@ -103,21 +104,28 @@ def _chain(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     return TupleValue(tuple(i for a in args for i in ev.items_of(a, node, f)))
 
 
-@function("itertools.product", "itertools.combinations", "itertools.permutations", "itertools.accumulate",
-          "itertools.combinations_with_replacement", "itertools.pairwise", "itertools.repeat", "itertools.islice")
+@function(*COMBINED)
+def _combined(ev: Evaluator, args: Args, options: Options, node: Any, f: Frame) -> Value | None:
+    path, given = f"itertools.{ev.called}", dict(options)
+    first, rest = (args, []) if path == COMBINED[0] else (args[:1], args[1:])
+    times = [*rest, *given.values()]
+    count = ev.known(times[0], node, "how many are taken") if times else 1
+    if count * len(first) > _LONGEST_ROW:
+        raise ev.refusal(node, f"combinations of more than {_LONGEST_ROW} sequences", help="write nested loops")
+    made = ev.iterator(path, *first, more=count)
+    if all(isinstance(a, Iteration) and a.kind == "range" for a in first):
+        return made
+    return TupleValue(tuple(ev.items_of(made, node, f)))
+
+
+@function("itertools.permutations", "itertools.accumulate", "itertools.pairwise", "itertools.repeat",
+          "itertools.islice")
 def _itertools(ev: Evaluator, args: Args, options: Options, node: Any, f: Frame) -> Value | None:
     name = ev.called
-    made = getattr(itertools, name)
-    if name == "product":
-        sequences = [list(enumerate(ev.items_of(a, node, f))) for a in args]
-        times = {k: ev.known(v, node, "repeat=") for k, v in options.items()}
-        if len(sequences) * max(times.values(), default=1) > _LONGEST_ROW:
-            raise ev.refusal(node, f"combinations of more than {_LONGEST_ROW} sequences", help="write nested loops")
-        return _rows(ev, made(*sequences, **times), node)
-    if name in ("combinations", "permutations", "combinations_with_replacement", "pairwise"):
+    if name in ("permutations", "pairwise"):
         items = list(enumerate(ev.items_of(args[0], node, f)))
-        rows = made(items, *(ev.known(a, node, "how many are taken") for a in args[1:]))
-        return _rows(ev, rows, node)
+        rows = getattr(itertools, name)(items, *(ev.known(a, node, "how many are taken") for a in args[1:]))
+        return TupleValue(tuple(rows_of(ev, rows, node)))
     if name in ("repeat", "islice"):
         numbers = [ev.known(a, node, "how many are taken") for a in args[1:]]
         items = [args[0]] if name == "repeat" else ev.items_of(args[0], node, f)
@@ -127,13 +135,6 @@ def _itertools(ev: Evaluator, args: Args, options: Options, node: Any, f: Frame)
             ev.counted(items, node, max(numbers[0], 0))
         return TupleValue(tuple(items * numbers[0] if name == "repeat" else itertools.islice(items, *numbers)))
     return None
-
-
-def _rows(ev: Evaluator, rows: Iterator[Any], node: AST) -> TupleValue:
-    """Rows of numbered values as tuples; refuses many."""
-    found = [TupleValue(tuple(v for _, v in row)) for row in itertools.islice(rows, LARGEST_SEQUENCE + 1)]
-    ev.counted(found, node)
-    return TupleValue(tuple(found))
 
 
 def _operators() -> None:

@@ -19,13 +19,22 @@ from s2sad.tree import AST
 _COMPUTED = (tree.Add, tree.Sub, tree.Mult, tree.Div)
 
 
-def needed_numbers(body: Sequence[AST], numbers: Mapping[str, Any]) -> set[str]:
-    """Those of some names that statements use in such places; `numbers` are their values."""
+def needed_numbers(body: Sequence[AST], numbers: Mapping[str, Any], picks: bool = False) -> set[str]:
+    """Those of some names that statements use in such places; `numbers` are their values. Where it `picks`, an index is
+    no such place, and neither is a target."""
     found: set[str] = set()
     if numbers:
         for s in body:
-            _statement(s, numbers, found)
+            _statement(tree.rebuild(s, _picked) if picks else s, numbers, found)
     return found
+
+
+def _picked(node: AST) -> AST | None:
+    """What is picked by numbers, or bound, without these."""
+    if isinstance(node, tree.Subscript) and not any(isinstance(n, (tree.Slice, tree.Call)) for n in tree.walk(
+            node.slice)):
+        return tree.Subscript(tree.rebuild(node.value, _picked), tree.const(0), node.ctx)
+    return tree.name("") if isinstance(node, tree.Name) and isinstance(node.ctx, tree.Store) else None
 
 
 def _statement(s: Any, numbers: Mapping[str, Any], found: set[str]) -> None:

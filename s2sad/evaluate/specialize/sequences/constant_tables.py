@@ -23,6 +23,7 @@ from s2sad.read.outside_values import Array
 from s2sad.tree import AST
 
 LONGEST = 16            # of a sequence of numbers whose loop is written out
+_FEWEST = 4             # items of a loop that stays one, where it would be long written out
 _LARGEST = 2 ** 53      # integers beyond are not all floats
 
 
@@ -46,15 +47,34 @@ def table_item(ev: Evaluator, base: Value, place: Value, node: AST) -> Value | N
 
 
 @operation
-def through_tables(ev: Evaluator, value: Value, node: AST) -> Value:
+def through_tables(ev: Evaluator, value: Value, node: AST, longest: int = LONGEST) -> Value:
     """What a loop goes through, with long sequences of numbers as arrays."""
     if isinstance(value, Iteration) and value.kind in ("zip", "enumerate", "reversed"):
-        return replace(value, parts=tuple(through_tables(ev, p, node) for p in value.parts))
+        return replace(value, parts=tuple(through_tables(ev, p, node, longest) for p in value.parts))
     found = _Table.of(ev, value)
-    if found is None or len(found.rows) <= LONGEST or found.made or getattr(value, "made", None):
+    if found is None or len(found.rows) <= longest or found.made or getattr(value, "made", None):
         return value
     arrays = found.arrays(ev, _called(node), node)
-    return ev.iterator("zip", *arrays) if found.width else arrays[0]
+    return ev.iterator("zip", *arrays) if len(arrays) > 1 else arrays[0]
+
+
+@operation
+def through_short_tables(ev: Evaluator, value: Value, loop: Any) -> Value | None:
+    """The same with short sequences of numbers, of a loop that would be long written out; None of any other."""
+    size = sum(isinstance(n, tree.stmt) for n in tree.walk(loop.body))
+    columns = _columns(value)
+    counts = [len(i) for c in columns for i in [_items(ev, c)] if i is not None]
+    if len(counts) < len(columns) or not counts or min(counts) < _FEWEST or min(counts) * size <= LONGEST:
+        return None
+    made = through_tables(ev, value, loop.iter, 0)
+    return made if ev.stays_one(made) else None
+
+
+def _columns(value: Value) -> list[Value]:
+    """What is gone through at once."""
+    if not isinstance(value, Iteration) or value.kind not in ("zip", "enumerate", "reversed"):
+        return [value]
+    return [c for p in value.parts[:1 if value.kind == "enumerate" else None] for c in _columns(p)]
 
 
 class _Table:

@@ -101,6 +101,16 @@ def _by_variable(ev: Evaluator, base: Value, place: Value, node: AST, held: Obje
                      site=held.site if held is not None and held.kind == "list" else None)
 
 
+def _repeated(ev: Evaluator, sequence: Reference, times: Data, node: AST) -> Value | None:
+    """A constant as often as only the run knows, in a list of the residual program; None for anything else."""
+    items = list(ev.heap[sequence].items.values())
+    if len(items) != 1 or not isinstance(items[0], Data) or not items[0].is_literal:
+        return None
+    made = tree.BinOp(ev.spelled(sequence, node), tree.Mult(), ev.spelled(times, node))
+    wanted = ev.wanted.get(node, ("items", node))[0]
+    return ev.named(Data(tree.at(made, node), is_list=True, demands=times.demands), wanted, node)
+
+
 # -- operators -------------------------------------------------------------------------------------------------------
 @operation
 def container_operator(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Frame) -> Value | None:
@@ -111,9 +121,15 @@ def container_operator(ev: Evaluator, op: AST, left: Value, right: Value, node: 
         return TupleValue((*left.items, *right.items))  # pyright: ignore
     if isinstance(op, tree.Add) and kinds == ["list", "list"]:
         return ev.list_of([*sequence_items(ev, left), *sequence_items(ev, right)], node)
+    if isinstance(op, tree.Add) and "list" in kinds and any(isinstance(v, Data) and v.is_list for v in (left, right)):
+        raise ev.unknown(node, "how long a list is must be known where another one is added", left if isinstance(
+            left, Data) else right)
     if isinstance(op, tree.Mult) and any(k in ("list", "tuple") for k in kinds):
         sequence, times = (left, right) if kinds[0] in ("list", "tuple") else (right, left)
         if isinstance(times, Data) and (not times.is_known and not times.shape or type(times.known) is int):
+            if isinstance(sequence, Reference) and not times.is_known and (
+                    made := _repeated(ev, sequence, times, node)) is not None:
+                return made
             n = ev.known(times, node, "how often a list is repeated")
             items = [ev.atoms(i, "item", node) for i in sequence_items(ev, sequence)]
             ev.counted(items, node, max(n, 0))

@@ -2,9 +2,12 @@
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
+
+from numpy import ufunc
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluation_state import Frame
@@ -12,8 +15,10 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
 from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.values import LARGEST_SEQUENCE, Data, Iteration, TupleValue, Value
+from s2sad.read.outside_values import library_value
 from s2sad.tree import AST
 
+_PURE = ("builtins.", "math.", "scipy.special.")
 FILLED, ITERATED = ".filled", ".iterated"
 
 
@@ -25,7 +30,7 @@ def generate(ev: Evaluator, generators: Sequence[Any], f: Frame, add: Callable[[
         add(f)
         return
     one, *rest = generators
-    through = first or ev.atoms(ev.value(one.iter, f), "iterated", one.iter)
+    through = first or ev.atoms(ev.gone_through(one.iter, f), "iterated", one.iter)
     ev.used(through, one.iter)
     inner = ev.inner_frame(f, one)
     ev.heap.put(inner.reference, ITERATED, through)
@@ -84,55 +89,57 @@ def list_comprehension(ev: Evaluator, node: Any, f: Frame) -> Value:
         return ev.list_of(found.done(), node)
     except Unevaluated as reason:
         ev.restore(before)
-        made = _residual(ev, node, f)
-        return _filled(ev, node, f, reason) if made is None else made
-
-
-def _residual(ev: Evaluator, node: Any, f: Frame) -> Value | None:
-    """The comprehension as it stands, over numbers and arrays; None where it is about structures."""
-    if any(type(n).__name__ == "NamedExpr" for n in tree.walk(node)):
-        return None
-    before = ev.snapshot()
-    frame, generators = f, []
-    try:
-        for one in node.generators:
-            through = ev.value(one.iter, frame)
-            if not ev.stays_one(through) or ev.has_acted(before):
-                raise ev.unknown(node, "a comprehension of structures")
-            names = {n.id: ev.fresh(n.id) for n in tree.walk(one.target) if isinstance(n, tree.Name)}
-            iterated = ev.spelled(through, one.iter)
-            frame = ev.inner_frame(frame, one)
-            for n, m in names.items():
-                ev.heap.put(frame.reference, n, Data(tree.at(tree.name(m), one.target)))
-            target = tree._target(tree.rename(one.target, names))
-            tests = [ev.spelled(ev.value(t, frame), t) for t in one.ifs]
-            generators.append(type(one)(target, iterated, tests, 0))
-        element = ev.spelled_item(ev.value(node.elt, frame), node.elt)
-        if ev.has_acted(before):
-            raise ev.unknown(node, "a comprehension whose items are computed by statements")
-    except Unevaluated:
-        ev.restore(before)
-        return None
-    return Data(tree.at(type(node)(element, generators), node), is_list=True)
+        return _filled(ev, node, f, reason)
 
 
 def _filled(ev: Evaluator, node: Any, f: Frame, reason: Unevaluated, first: Value | None = None) -> Value:
     """A list of the residual program that statements fill: what is kept, or how many, only the run knows."""
-    if reason.demands and all(what == "value" for _, what in reason.demands):
-        raise reason from None      # of integers that say what there is
     before = ev.snapshot()
-    made = ev.named(Data(tree.at(tree.List([], tree.Load()), node), is_list=True), "items", node)
+    start, asked = len(ev.block), bool(reason.demands) and all(what == "value" for _, what in reason.demands)
+    wanted = ev.wanted.get(node, ("items", node))[0]
+    made = ev.named(Data(tree.at(tree.List([], tree.Load()), node), is_list=True), wanted, node)
     one = node.generators[0]
     try:
-        first = first or ev.atoms(ev.value(one.iter, f), "iterated", one.iter)
+        first = first or ev.atoms(ev.gone_through(one.iter, f), "iterated", one.iter)
         inner = frame_inside(ev, f, node)
         ev.heap.set_items(inner.reference, {FILLED: made, ITERATED: first})
-        ev.statements([loops_of(ev, node, "filled", lambda: [
-            tree.Expr(tree.Call(tree.attribute(tree.name(FILLED), "append"), [node.elt], []))])], inner)
+        with own_loops(ev):
+            ev.statements([loops_of(ev, node, "filled", lambda: [
+                tree.at(tree.Expr(tree.Call(tree.attribute(tree.name(FILLED), "append"), [node.elt], [])), node.elt)
+            ])], inner)
+        if asked and ev.inlines and any(map(_computes, tree.walk(ev.block[start:]))):
+            raise reason        # of integers that say what there is: items that are more than expressions
         return ev.heap.objects.pop(inner.reference.number).items[FILLED]
     except Unevaluated:
         ev.restore(before)
         raise reason from None
+
+
+@contextmanager
+def own_loops(ev: Evaluator) -> Iterator[None]:
+    """Statements that bind and fill what is theirs alone change nothing for what is evaluated before them."""
+    start, births, effects = len(ev.block), ev.births, ev.effects
+    yield
+    if not any(_changes(ev, n, births) for s in ev.block[start:] for n in tree.walk(s)):
+        ev.effects = effects
+
+
+def _changes(ev: Evaluator, node: Any, births: int) -> bool:
+    """Whether a part of a statement may change what was there when so many names had been made."""
+    if isinstance(node, tree.Call):
+        own = isinstance(node.func, tree.Attribute) and node.func.attr == "append" and isinstance(
+            node.func.value, tree.Name) and ev.born.get(node.func.value.id, 0) >= births
+        path = tree.call_name(node) or ""
+        elementwise = isinstance(library_value(path), ufunc) if path.startswith("numpy.") else path.startswith(_PURE)
+        return not own and not elementwise and path not in ("len", "range", "min", "max")
+    if isinstance(node, tree.Name):
+        return not isinstance(node.ctx, tree.Load) and ev.born.get(node.id, 0) < births
+    return isinstance(node, (tree.Raise, tree.Assert, tree.Return)) or isinstance(
+        node, (tree.Subscript, tree.Attribute)) and not isinstance(node.ctx, tree.Load)
+
+
+def _computes(node: Any) -> bool:
+    return isinstance(node, tree.Assign) and not isinstance(node.value, tree.List)
 
 
 def frame_inside(ev: Evaluator, f: Frame, node: Any, *more: str) -> Frame:
@@ -177,7 +184,8 @@ def generator(ev: Evaluator, node: Any, f: Frame) -> Value:
         ev.frames.setdefault(frame.reference.number, frame)
         frame = frame.outer
     one = node.generators[0]
-    return ev.iterator("generator", more=(node, f), first=ev.atoms(ev.value(one.iter, f), "iterated", one.iter))
+    return ev.iterator("generator", more=(node, f), first=ev.atoms(ev.gone_through(one.iter, f), "iterated",
+                                                                         one.iter))
 
 
 @expression("DictComp")

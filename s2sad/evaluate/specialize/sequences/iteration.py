@@ -2,7 +2,6 @@
 """
 from __future__ import annotations
 
-import itertools
 from collections.abc import Hashable, Sequence
 from enum import Enum
 from typing import Any
@@ -12,6 +11,7 @@ from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.sequences.gathering import Gathered
 from s2sad.evaluate.specialize.sequences.generators import LAZY
+from s2sad.evaluate.specialize.sequences.nested_ranges import NESTED
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
@@ -90,8 +90,10 @@ def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
         gathered = Gathered(ev, f, node)
         ev.each_item(value, node, f, gathered.add)
         return list(gathered.done())
-    if value.kind.startswith("numpy."):
-        return _indices(ev, value, node)
+    if value.kind in NESTED:
+        return ev.nested_items(value, node, f)
+    if value.kind == "part":
+        raise ev.unknown(node, "how many items there are must be known before the run")
     if value.kind == "filter":
         return _filtered(ev, value, node, f)
     gathered, cursor = Gathered(ev, f, node), ev.cursor_of(value, node, f)
@@ -99,16 +101,6 @@ def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
         gathered.add(step[0])
         cursor = step[1]
     return list(gathered.done())
-
-
-def _indices(ev: Evaluator, value: Iteration, node: AST) -> list[Value]:
-    """What `np.ndindex` goes through, of lengths that are known."""
-    if value.kind != "numpy.ndindex":
-        raise ev.unknown(node, "how many items there are must be known before the run")
-    lengths = value.parts[0] if len(value.parts) == 1 else TupleValue(value.parts)
-    known = ev.known(lengths, node, "how many items there are")
-    places = itertools.product(*map(range, known if isinstance(known, tuple) else (known,)))
-    return [TupleValue(tuple(map(constant, place))) for place in places]
 
 
 def _backwards(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
@@ -195,7 +187,7 @@ def _of_object(ev: Evaluator, value: Reference, node: AST, f: Frame) -> list[Val
 def stays_one(ev: Evaluator, value: Value) -> bool:
     """Whether a loop goes through numbers and arrays alone, so that it may stay a loop."""
     if isinstance(value, Iteration):
-        if value.kind == "range" or value.kind.startswith("numpy."):
+        if value.kind in ("range", "part"):
             return True
         inner = value.parts[:1] if value.kind == "enumerate" else value.parts
         return value.kind in ("zip", "enumerate", "reversed") and all(stays_one(ev, p) for p in inner)

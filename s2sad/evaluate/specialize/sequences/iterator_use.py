@@ -14,12 +14,12 @@ from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import Leave
 from s2sad.evaluate.specialize.heap import Object
-from s2sad.evaluate.specialize.sequences.gathering import frame_inside, loops_of
+from s2sad.evaluate.specialize.sequences.gathering import frame_inside, loops_of, own_loops
 from s2sad.evaluate.specialize.sequences.generators import ITEM, LAZY
 from s2sad.evaluate.specialize.values import NONE, Data, Iteration, Value, constant
 from s2sad.tree import AST
 
-STARTED, ITERATED, DEFAULT = ".started", ".iterated", ".default"
+STARTED, ITERATED, DEFAULT, TOTAL = ".started", ".iterated", ".default", ".total"
 
 
 @operation
@@ -115,3 +115,16 @@ def first_item(ev: Evaluator, through: Value, node: AST, f: Frame, body: Callabl
     finally:
         del ev.pending[depth:]
         del ev.loops[inner.loops:]
+
+
+@operation
+def total_of(ev: Evaluator, through: Iteration, start: Value, node: AST) -> Value:
+    """The sum of what a generator gives, whose loops add to it."""
+    used(ev, replace(through, parts=()), node)
+    comprehension, outer = through.more
+    inner = frame_inside(ev, outer, comprehension, TOTAL)
+    ev.heap.set_items(inner.reference, {ITERATED: first_of(ev, through), TOTAL: ev.atoms(start, "total", node)})
+    with own_loops(ev):
+        ev.statements([loops_of(ev, comprehension, "total", lambda: [
+            tree.augment(TOTAL, tree.Add(), comprehension.elt)])], inner)
+    return ev.heap.objects.pop(inner.reference.number).items[TOTAL]

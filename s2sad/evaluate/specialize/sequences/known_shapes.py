@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from s2sad.evaluate.specialize.values import NONE, Data, Iteration, SliceValue, TupleValue, Value
+from s2sad.evaluate.specialize.values import NONE, Data, SliceValue, TupleValue, Value
 from s2sad.read.outside_values import library_value
-from s2sad.tree import AST, List, Name, Tuple, const
 
 Shape = tuple["int | None", ...]
 _LIKE = ("zeros_like", "ones_like", "empty_like", "full_like", "copy", "asarray", "ascontiguousarray", "cumsum", "flip",
@@ -97,33 +96,6 @@ def _contracted(subscripts: str, operands: Sequence[Value]) -> Shape | None:
     for letters, operand in zip(terms.split(","), operands):
         known.update({k: n for k, n in zip(letters, shape(operand) or ()) if n is not None and n != 1})
     return tuple(known.get(k) for k in result)
-
-
-def item_like(through: Value) -> Value:
-    """What is known of every item of an array, a range, or several together."""
-    if isinstance(through, Iteration) and through.kind == "range":
-        return Data(const(None), shape=())
-    if isinstance(through, Iteration) and through.kind == "enumerate":
-        return TupleValue((Data(const(None), shape=()), item_like(through.parts[0])))
-    if isinstance(through, Iteration) and through.kind in ("zip", "reversed"):
-        items = tuple(map(item_like, through.parts))
-        return TupleValue(items) if through.kind == "zip" else items[0]
-    return _item(through)
-
-
-def like_items(target: AST, item: Value) -> dict[str, Value]:
-    """The same by the names of a loop's target."""
-    if isinstance(target, Name):
-        return {target.id: item}
-    if not isinstance(target, (Tuple, List)):
-        return {}
-    items = item.items if isinstance(item, TupleValue) else [_item(item)] * len(target.elts)
-    return {n: i for t, v in zip(target.elts, items) for n, i in like_items(t, v).items()}
-
-
-def _item(value: Value) -> Data:
-    whole = shape(value)
-    return Data(const(None), shape=None if not whole else whole[1:], origins=origins(value))
 
 
 def lengths(value: Value) -> Shape | None:
