@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         vjp as vjp,
     )
     from s2sad.interface.loop_marks import timesteps as timesteps
+    from s2sad.interface.tapes import Tape as Tape, clear as clear
     from s2sad.program import Snapshots as Snapshots
     from s2sad.custom.user_rules import nondifferentiable as nondifferentiable, rule as rule
     from s2sad.report.bench import Bench as Bench, bench as bench
@@ -44,6 +45,7 @@ _HOMES = {
     "report.explain": ("Explanation", "explain"),
     "run.memory": ("Memory",),
     "interface.loop_marks": ("timesteps",),
+    "interface.tapes": ("Tape", "clear"),
     "program": ("Snapshots",),
     "interface.drivers": ("gradient", "jvp", "make_zero", "value_and_gradient", "vjp"),
 }
@@ -51,8 +53,8 @@ _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [
     "Active", "BatchDuplicated", "Bench", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed",
     "Explanation", "Forward", "ForwardWithPrimal", "Memory", "Reverse", "ReverseWithPrimal", "S2sadError",
-    "S2sadWarning", "Snapshots", "autodiff", "bench", "check", "differentiate", "explain", "gradient", "jvp",
-    "make_zero", "nondifferentiable", "rule", "timesteps", "value_and_gradient", "vjp",
+    "S2sadWarning", "Snapshots", "Tape", "autodiff", "bench", "check", "clear", "differentiate", "explain",
+    "gradient", "jvp", "make_zero", "nondifferentiable", "rule", "timesteps", "value_and_gradient", "vjp",
 ]
 
 

@@ -273,7 +273,7 @@ class ProgramVersion:
                     artifacts.store_generated(self._address, request, generated)
                 loaded = SplitExecutable if request.split else Executable
                 self._variants[key] = loaded(generated, engine, self.summary(request.types), self.kernel.name,
-                                             self.registered)
+                                             self.registered, self.function)
             return self._variants[key]
 
     def check_frozen_arrays(self) -> None:

@@ -1,14 +1,15 @@
 """A generated function that is loaded: how its arguments are put together and checked, and how it is called."""
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Mapping, Sequence
 from operator import itemgetter
+from types import FunctionType
 from typing import Any
 
 import numpy as np
 
 from s2sad.dispatch.deferred import compiler
+from s2sad.dispatch.tape_reuse import TapeReuse
 from s2sad.infer.types import Type
 from s2sad.program import Generated, Parameter
 from s2sad.live_objects.registry import RegisteredRule
@@ -43,24 +44,6 @@ def without_warnings(function: Callable[..., Any]) -> Callable[..., Any]:
     return called
 
 
-class TapeReuse:
-    """A compiled adjoint with the stacks that it left behind at the last call of each thread, used again."""
-
-    def __init__(self, function: Callable[..., Any], first: tuple[np.ndarray, ...]):
-        self.function, self.first, self.count = function, first, len(first)
-        self._kept = threading.local()
-
-    def __call__(self, *arguments: Any) -> tuple[Any, ...]:
-        returned = self.function(*arguments, *getattr(self._kept, "stacks", self.first))
-        self._kept.stacks = returned[-self.count:]
-        return returned[:-self.count]
-
-    @property
-    def stack_bytes(self) -> int:
-        """The bytes of the stacks that the last call of this thread left behind."""
-        return sum(stack.nbytes for stack in getattr(self._kept, "stacks", self.first))
-
-
 class OnDisk:
     """A derivative that keeps snapshots in files of folders."""
 
@@ -78,7 +61,7 @@ class Executable:
     """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked."""
 
     def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
-                 registered: tuple[RegisteredRule, ...] = ()):
+                 registered: tuple[RegisteredRule, ...] = (), function: FunctionType | None = None):
         self.generated, self.engine, self.kernel = generated, engine, kernel
         self.parameters: tuple[Parameter, ...] = generated.parameters
         plain = tuple(generated.facts.get("wrappers", ()))
@@ -97,7 +80,7 @@ class Executable:
         self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
         self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)
         self.function: Callable[..., Any] = (
-            TapeReuse(self.dispatcher, self._first) if stacks else
+            TapeReuse(self.dispatcher, self._first, function) if stacks else
             without_warnings(self.dispatcher) if engine == "numpy" else self.dispatcher)
         self.function = self.in_folders(self.function)
         self.shadows = {p.primal: p for p in self.parameters if p.role == "shadow"}

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -22,8 +23,8 @@ class SplitExecutable(Executable):
     """The two functions; as an `Executable` it is the reverse sweep, which takes the tape first."""
 
     def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
-                 registered: tuple[RegisteredRule, ...] = ()):
-        super().__init__(generated, engine, summary, kernel, registered)
+                 registered: tuple[RegisteredRule, ...] = (), function: FunctionType | None = None):
+        super().__init__(generated, engine, summary, kernel, registered, function)
         title = generated.facts["forward"]
         self._first_half = getattr(self.module, title)
         self._augmented: Callable[..., Any] = self.in_folders(

@@ -36,8 +36,12 @@ class Entry:
 
 def limits() -> tuple[int, float]:
     """Bytes and days: $S2SAD_CACHE_SIZE ("500M", "2G"; default 1G) and $S2SAD_CACHE_DAYS (default 90)."""
-    return (int(_setting("S2SAD_CACHE_SIZE", r"(\d+(?:\.\d+)?)\s*([KMGT]?)i?B?", _SIZE)),
-            _setting("S2SAD_CACHE_DAYS", r"(\d+(?:\.\d+)?)()", _DAYS))
+    return byte_limit("S2SAD_CACHE_SIZE", _SIZE), _setting("S2SAD_CACHE_DAYS", r"(\d+(?:\.\d+)?)()", _DAYS)
+
+
+def byte_limit(variable: str, default: int) -> int:
+    """The bytes that an environment variable allows, as "500M" or "2G"."""
+    return int(_setting(variable, r"(\d+(?:\.\d+)?)\s*([KMGT]?)i?B?", default))
 
 
 def entries(location: Path) -> list[Entry]:

@@ -11,7 +11,7 @@ import numpy as np
 def with_typed_lists(dispatcher: Any, arguments: Sequence[Any], values: tuple[Any, ...]) -> tuple[Any, ...]:
     """The values of the tuple that a compiled function has given last for these arguments; an empty list has an item of
     the type of its items, which nobody takes: what is pushed on a list is popped in turn."""
-    if [] not in [v for v in values if type(v) is list]:
+    if [] not in [v for v in values if type(v) is list] or not hasattr(dispatcher, "overloads"):
         return values
     types = importlib.import_module("numba").types
     signature = dispatcher.overloads[tuple(map(dispatcher.typeof_pyval, arguments))].signature

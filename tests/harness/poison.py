@@ -21,6 +21,7 @@ import numpy as np
 
 import s2sad.runtime
 from s2sad.dispatch import executable
+from s2sad.dispatch.tape_reuse import TapeReuse
 from s2sad.run import compiled, module_loader
 
 HUGE = {8: 100, 16: 30_000, 32: 2_000_000_000, 64: 4_000_000_000_000_000_000}   # by bits: far behind every array's end
@@ -72,11 +73,11 @@ class _Loader(module_loader._Loader):
         return compile(tree, self.path, "exec", dont_inherit=True, optimize=0)
 
 
-class _Keeping(executable.TapeReuse):
+class _Keeping(TapeReuse):
     """Stacks hold nothing of the call before."""
 
     def __call__(self, *arguments: Any) -> tuple[Any, ...]:
-        for stack in getattr(self._kept, "stacks", ()):
+        for stack in self.kept().stacks or ():
             filled(stack)
         return super().__call__(*arguments)
 

@@ -1,0 +1,170 @@
+"""What compiled adjoints keep between calls: never shared by two that run, bounded, and freed when asked."""
+from __future__ import annotations
+
+import gc
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import numba
+import numpy as np
+import pytest
+
+import s2sad
+from s2sad.dispatch.tape_reuse import TapeReuse, clear_kept
+
+FIRST = (np.empty(0),)
+
+
+def growing(wanted, stack):
+    """Gives a stack of this size back, the one that it is given if that has it."""
+    return wanted, stack if stack.size == wanted else np.empty(wanted)
+
+
+@pytest.fixture(autouse=True)
+def _nothing_kept():
+    clear_kept()
+    yield
+    clear_kept()
+
+
+def test_a_call_takes_the_stacks_of_the_last_one():
+    seen = []
+    reuse = TapeReuse(lambda n, stack: (seen.append(stack), *growing(n, stack)), FIRST)
+    assert reuse(5)[1] == 5
+    reuse(5), reuse(6), reuse(6)
+    assert seen[1] is seen[2] and seen[2] is not seen[3] and [s.size for s in seen] == [0, 5, 5, 6]
+    assert reuse.stack_bytes == 48
+
+
+def test_a_call_inside_of_another_has_stacks_of_its_own():
+    seen = []
+
+    def calling(depth, stack):
+        seen.append(stack)
+        if depth:
+            reuse(depth - 1)
+        return depth, np.empty(4)
+    reuse = TapeReuse(calling, FIRST)
+    reuse(0)
+    reuse(2)
+    assert seen[1].size == 4 and seen[2] is seen[3] is FIRST[0]
+
+
+def test_what_raises_leaves_nothing():
+    def raising(bad, stack):
+        if bad:
+            raise ValueError("bad")
+        return True, np.empty(4)
+    reuse = TapeReuse(raising, FIRST)
+    reuse(False)
+    with pytest.raises(ValueError, match="bad"):
+        reuse(True)
+    assert reuse.stack_bytes == 0 and clear_kept() == 0
+    reuse(False)
+    assert reuse.stack_bytes == 32
+
+
+def test_threads_share_nothing():
+    barrier = threading.Barrier(2)
+
+    def waiting(n, stack):
+        barrier.wait(timeout=20)
+        return stack, np.empty(n)
+    reuse = TapeReuse(waiting, FIRST)
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(reuse, (4, 4)))
+        both = [found[0] for found in pool.map(reuse, (4, 4))]
+        assert both[0] is not both[1] and [b.size for b in both] == [4, 4]
+    assert clear_kept() in (0, 32, 64)      # what threads that have ended kept is gone
+
+
+def test_the_bound(monkeypatch):
+    monkeypatch.setenv("S2SAD_TAPE_SIZE", "1K")
+    first, second, large = (TapeReuse(growing, FIRST) for _ in range(3))
+    first(60), second(60)
+    assert (first.stack_bytes, second.stack_bytes) == (480, 480)
+    first(60), large(30)
+    assert (first.stack_bytes, second.stack_bytes, large.stack_bytes) == (480, 0, 240)
+    large(1000)
+    assert (first.stack_bytes, large.stack_bytes) == (0, 0)
+    del first, second, large
+    gc.collect()
+    assert clear_kept() == 0
+
+
+# -- with compiled derivatives ----------------------------------------------------------------------------------------
+def steps(u, n: int):
+    for k in range(n):
+        for i in range(u.size):
+            u[i] = u[i] * u[i] * (1.0 + 0.01 * k)
+
+
+def others(u, n: int):
+    for _ in range(n):
+        for i in range(u.size):
+            u[i] = np.sin(u[i])
+
+
+def adjoint_of(f, u, n):
+    f.adjoint(u.copy(), bar := np.ones(u.size), n)
+    return bar
+
+
+def test_clear_frees_the_tapes_of_a_function_or_of_all():
+    f, g = (s2sad.differentiate(h, wrt="u", engine="numba") for h in (steps, others))
+    u = np.full(10, 0.9)
+    expected = adjoint_of(f, u, 5)
+    adjoint_of(g, u, 4)
+    assert s2sad.clear(f) == 400 and s2sad.clear(steps) == 0 and s2sad.clear(s2sad.gradient(others)) == 320
+    np.testing.assert_array_equal(adjoint_of(f, u, 5), expected)
+    assert s2sad.clear() == 400 and s2sad.clear() == 0
+
+
+def test_threads_have_the_same_gradients():
+    f = s2sad.differentiate(steps, wrt="u", engine="numba")
+    given = [np.linspace(0.5, 1.0, 500) * k for k in (0.9, 0.95, 1.0, 1.05)] * 4
+    expected = [adjoint_of(f, u, 30) for u in given]
+    stopped = threading.Event()
+
+    def clearing():
+        while not stopped.is_set():
+            s2sad.clear(f)
+    beside = threading.Thread(target=clearing)
+    beside.start()
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda u: adjoint_of(f, u, 30), given))
+    stopped.set()
+    beside.join()
+    for ours, theirs in zip(found, expected):
+        np.testing.assert_array_equal(ours, theirs)
+
+
+INSIDE: list[np.ndarray] = []
+
+
+@s2sad.nondifferentiable
+def looks(x):
+    with numba.objmode():
+        if not INSIDE:
+            INSIDE.append(np.zeros(0))
+            INSIDE.append(adjoint_of(s2sad.differentiate(calling_back, wrt="u", engine="numba"), np.full(3, 0.7), 4))
+    return 1.0
+
+
+def calling_back(u, n: int):
+    for _ in range(n):
+        for i in range(u.size):
+            u[i] = u[i] * u[i] * 1.1
+    u[0] *= looks(u[0])
+
+
+def test_a_derivative_that_a_callback_calls_again():
+    f = s2sad.differentiate(calling_back, wrt="u", engine="numba")
+    u = np.full(3, 0.9)
+    INSIDE[:] = [np.zeros(0)]
+    expected, inner = adjoint_of(f, u, 4), adjoint_of(f, np.full(3, 0.7), 4)
+    INSIDE.clear()
+    found = adjoint_of(f, u, 4)
+    assert len(INSIDE) == 2
+    np.testing.assert_array_equal(found, expected)
+    np.testing.assert_array_equal(INSIDE[1], inner)
