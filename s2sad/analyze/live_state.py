@@ -8,20 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
-from s2sad.analyze.work_arrays import Callee, refills
+from s2sad.analyze.work_arrays import Callees, refills
 from s2sad.liveness import Accesses, Liveness
 from s2sad.tree import FunctionDef, Return, with_body
 
 
 def live_state(step: FunctionDef, counter: str, changed: Mapping[str, str], needed: Collection[str],
-               accesses: Accesses, callee: Callee) -> set[str]:
+               accesses: Accesses, callees: Callees) -> set[str]:
     """Those of a step's parameters that are state; `changed` has the name that each parameter which a step changes goes
     by where the step ends, `needed` are those that its adjoint reads, `counter` is the one that the loop counts."""
     ends = step.body[-1:] if isinstance(step.body[-1], Return) else []
     body = with_body(step, step.body[:len(step.body) - len(ends)])
     parameters = [p.id for p in step.args.args]
     fixed = {p for p in parameters if p not in changed} - {counter}
-    free = {a for a in changed if changed[a] == a and refills(step, a, fixed, callee)}
+    free = {a for a in changed if changed[a] == a and refills(step, a, fixed, callees)}
     state = ({*needed} & {*changed}) - free
     while True:
         start = Liveness(body, {changed[n] for n in state}, accesses).start

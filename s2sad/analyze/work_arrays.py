@@ -5,9 +5,9 @@ others stay what they are unless somebody else stores there.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Set
+from collections.abc import Iterator, Set
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.reallocated_arrays import is_reallocated
@@ -20,25 +20,30 @@ from s2sad.tree import (
 if TYPE_CHECKING:
     from s2sad.analyze.context import CallFacts
 
-Callee = Callable[[Call], FunctionDef | None]
+
+class Callees(Protocol):
+    """What is known of calls."""
+
+    def function_of(self, node: Call) -> FunctionDef | None: ...
+    def call_writes(self, node: Call) -> list[str]: ...
 
 
-def refills(function: FunctionDef, array: str, fixed: Set[str], callee: Callee, last: bool = True) -> bool:
+def refills(function: FunctionDef, array: str, fixed: Set[str], callees: Callees, last: bool = True) -> bool:
     """Whether a function stores into the same elements of an array each time that its parameters `fixed` are the same,
     and reads none of them before it has; if it is not the `last` to store there it reads no others either."""
-    return _Refill(function, array, fixed, callee).block(function.body, frozenset(), last)
+    return _Refill(function, array, fixed, callees).block(function.body, frozenset(), last)
 
 
-def refilled_by_call(called: Call, array: str, known: Set[str], callee: Callee, last: bool = True) -> bool:
+def refilled_by_call(called: Call, array: str, known: Set[str], callees: Callees, last: bool = True) -> bool:
     """Whether a call refills an array that it is given, once, each time that the names `known` are what they are."""
-    function = callee(called)
+    function = callees.function_of(called)
     given = [k for k, a in enumerate(called.args) if array in read_names(a)]
     if function is None or len(given) != 1 or not isinstance(called.args[given[0]], Name) or not all(
             is_known(a.slice, known) for a in called.args if isinstance(a, Subscript)):      # sizes that change
         return False
     parameters = [p.id for p in function.args.args]
     fixed = {p for p, a in zip(parameters, called.args) if isinstance(a, Constant) or is_known(a, known)}
-    return refills(function, parameters[given[0]], fixed, callee, last)
+    return refills(function, parameters[given[0]], fixed, callees, last)
 
 
 def refilled_in_loops(statement: AST, array: str, structure: ProgramStructure, calls: CallFacts) -> bool:
@@ -64,7 +69,7 @@ class _Refill:
     function: FunctionDef
     array: str
     fixed: Set[str]
-    callee: Callee
+    callees: Callees
 
     def __post_init__(self) -> None:
         """`known` are the names that have the same values each time: such parameters, what is bound once to a known
@@ -85,7 +90,7 @@ class _Refill:
 
     def stores(self, statement: AST) -> bool:
         return any(base_name(t) == self.array for s in walk_statements(statement) for t in targets(s)) or any(
-            user_call(n) and self.array in map(base_name, n.args) for n in walk(statement))
+            isinstance(n, Call) and user_call(n) and self.array in self.callees.call_writes(n) for n in walk(statement))
 
     def reads(self, node: AST) -> bool:
         """Whether something reads elements of the array; its size is none."""
@@ -127,7 +132,7 @@ class _Refill:
         if isinstance(statement, (If, While)):
             return False
         if isinstance(statement, (Assign, Expr)) and user_call(statement.value):
-            return refilled_by_call(statement.value, self.array, self.known, self.callee, last)
+            return refilled_by_call(statement.value, self.array, self.known, self.callees, last)
         if not isinstance(statement, Assign) or self.reads(statement.value):
             return False
         place = statement.targets[0]

@@ -52,7 +52,7 @@ class Calls:
 
     def refills(self, node: Call, array: str, known: Set[str]) -> bool:
         """Whether a call fills an array before it reads it, in the same elements as long as names `known` stay."""
-        return refilled_by_call(node, array, known, self.function_of)
+        return refilled_by_call(node, array, known, self)
 
     def adjoint_after(self, statement: AST) -> bool:
         """Whether a statement's adjoint runs in the state that it leaves: it solves for what it stores."""

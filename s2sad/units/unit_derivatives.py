@@ -161,7 +161,7 @@ class Units(NormalForms):
         effects = self.effects
         counter = loop.loop.target.id if isinstance(loop.loop, For) else ""
         accesses = Accesses(effects.writes, effects.pure, effects.unread)
-        found = live_state(step.function, counter, changed, needed, accesses, self.function_of)
+        found = live_state(step.function, counter, changed, needed, accesses, self)
         return tuple(n for n in parameters if n in found)
 
     def unbounded(self, called: Call) -> UnboundedValues | None:

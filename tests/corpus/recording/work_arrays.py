@@ -39,6 +39,28 @@ def read_around(x, n):
     return np.sum(u ** 2) + work[1] ** 2 + total
 
 
+def squares(u, work):
+    for i in range(u.shape[0]):
+        work[i] = u[i] ** 2
+
+
+def flow(u, work):
+    for i in range(u.shape[0]):
+        u[i] = 0.9 * u[i] + 0.03 * work[i] * work[u.shape[0] - 1 - i]
+
+
+def advance(u, work):
+    squares(u, work)
+    flow(u, work)
+
+
+def read_by_another(x, n):
+    u, work = x.copy(), np.ones_like(x)
+    for _k in range(n):
+        advance(u, work)
+    return np.sum(u ** 2)
+
+
 def stored_behind(x, n):
     u, work = x.copy(), np.ones_like(x)
     for k in range(n):
@@ -184,7 +206,7 @@ def exchanged(x, n):
     return np.sum(u ** 2) + np.sum(work * other)
 
 
-REFILLED = (filled, read_around)       # whose work array needs no record
+REFILLED = (filled, read_around, read_by_another)       # whose work array needs no record
 OTHERS = (filled_again_behind, stored_behind, stored_between, in_two_loops, slices_that_grow, left_in_the_middle,
           bound_that_is_rebound, spans_that_move, rows_of_others, stored_behind_each, exchanged)
 
