@@ -1,8 +1,8 @@
 """Loops that keep snapshots: the memory and the time of a gradient against what the count of steps predicts.
 
-Each in a process of its own: `python -m benchmarks.snapshots KERNEL STEPS SNAPSHOTS`. The prediction is the number of
-forward steps times the time of one, and for each step that of one in an adjoint that records, both taken over few
-steps.
+Each in a process of its own: `python -m benchmarks.snapshots KERNEL STEPS SNAPSHOTS [disk]`. The prediction is the
+number of forward steps times the time of one, and for each step that of one in an adjoint that records, both taken over
+few steps.
 """
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import json
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from math import comb
@@ -28,8 +29,8 @@ from s2sad.runtime import crowded, runs_again
 
 FEW, ROUNDS = 500, 20           # steps of which the times of one are taken, and how often
 MOST = 1.1          # of the predicted time
-ROWS = (("integrate", 100_000, 100), ("integrate_until", 100_000, 100), ("glacier", 10_000, 50),
-        ("lattice", 10_000, 50))
+ROWS = (("integrate", 100_000, 100, ""), ("integrate_until", 100_000, 100, ""),
+        ("integrate_until", 100_000, 10_000, "disk"), ("glacier", 10_000, 50, ""), ("lattice", 10_000, 50, ""))
 
 
 def integrate_until(u, p, dt, end):
@@ -65,20 +66,22 @@ def given(name: str, steps: int) -> tuple[Any, ...]:
 def tables(quick: bool, kernels: list[str]) -> list[Table]:
     """One line for each kernel."""
     table = Table("Gradients of long loops that keep snapshots", (
-        "kernel", "steps", "snapshots", "forward runs", "kept, MiB", "peak, MiB", "process, MiB", "time, s",
-        "predicted, s", ""))
+        "kernel", "steps", "snapshots", "forward runs", "kept, MiB", "peak, MiB", "process, MiB", "of its own, MiB",
+        "time, s", "predicted, s", ""))
     if not STATUS.exists():
         return []
-    for name, most, snapshots in ROWS:
+    for name, most, snapshots, where in ROWS:
         steps = most // 20 if quick else most
-        done = subprocess.run([sys.executable, "-m", "benchmarks.snapshots", name, str(steps), str(snapshots)],
+        done = subprocess.run([sys.executable, "-m", "benchmarks.snapshots", name, str(steps), str(snapshots), where],
                               check=True, stdout=subprocess.PIPE, text=True, cwd=Path(__file__).resolve().parent.parent)
         found = json.loads(done.stdout.splitlines()[-1])
-        table.rows.append((name, f"{steps:,}", str(snapshots), f"{found['runs'] / steps:.2f} a step",
-                           *(f"{found[k]:.1f}" for k in ("kept", "peak", "process")), f"{found['time']:.2f}",
+        table.rows.append((f"{name}{', on disk' if where else ''}", f"{steps:,}", f"{snapshots:,}",
+                           f"{found['runs'] / steps:.2f} a step",
+                           *(f"{found[k]:.1f}" for k in ("kept", "peak", "process", "own")), f"{found['time']:.2f}",
                            f"{found['predicted']:.2f}", verdict(found["time"], MOST * found["predicted"])))
     table.notes = ["forward runs: of steps, without the one in each step's adjoint; kept: what explain states;",
-                   "peak: what the gradient adds to the memory of the process, which has the compilers in it;",
+                   "peak: what the gradient adds to the memory of the process, which has the compilers in it and the",
+                   "pages of files that it has mapped; of its own: without these, at the end;",
                    f"predicted: from the times of one step; at most {MOST} times that"]
     return [table]
 
@@ -98,10 +101,16 @@ def forward_runs(steps: int, snapshots: int, counted: bool) -> int:
     return steps + runs_again(steps, gap, snapshots)
 
 
-def main(name: str, steps: int, snapshots: int) -> None:
+def main(name: str, steps: int, snapshots: int, where: str = "") -> None:
     """Takes one gradient and prints seconds and MiB; compiled, and run with few steps, before."""
+    with tempfile.TemporaryDirectory(prefix="snapshots-") as folder:
+        print(json.dumps(measured(name, steps, s2sad.Snapshots(snapshots, on_disk=folder if where else None))))
+
+
+def measured(name: str, steps: int, chosen: s2sad.Snapshots) -> dict[str, float]:
     kernel, loop, wrt = KERNELS[name]
-    kept = s2sad.differentiate(kernel, engine="numba", checkpoint={loop: snapshots})
+    snapshots = chosen.count
+    kept = s2sad.differentiate(kernel, engine="numba", checkpoint={loop: chosen})
     plain = s2sad.differentiate(kernel, engine="numba")
     few, many = given(name, FEW), given(name, steps)
     ways: list[Callable[..., Any]] = [lambda f, a: f.primal(*map(np.copy, a[:1]), *a[1:]), gradient(wrt)]
@@ -111,13 +120,13 @@ def main(name: str, steps: int, snapshots: int) -> None:
     before = resident("VmRSS")
     Path("/proc/self/clear_refs").write_text("5")
     taken = timed(ways[1], kept, many)
-    peak = resident("VmHWM")
+    peak, own = resident("VmHWM"), resident("RssAnon")
     forward, recorded = (statistics.median([*found[1:], *(timed(way, plain, few) for _ in range(ROUNDS))]) / FEW
                          for way, found in zip(ways, times))     # of the machine as it is while that runs
     runs = forward_runs(steps, snapshots, name != "integrate_until")
     rows = sum(stack.bytes or 0 for found in told.functions for stack in found.recorded if "snapshots" in stack.name)
-    print(json.dumps({"runs": runs, "kept": rows / MIB, "peak": (peak - before) / MIB, "process": peak / MIB,
-                      "time": taken, "predicted": runs * forward + steps * recorded}))
+    return {"runs": runs, "kept": rows / MIB, "peak": (peak - before) / MIB, "process": peak / MIB, "own": own / MIB,
+            "time": taken, "predicted": runs * forward + steps * recorded}
 
 
 def gradient(wrt: str) -> Callable[[Any, tuple[Any, ...]], Any]:
@@ -136,4 +145,4 @@ def timed(way: Callable[..., Any], f: Any, arguments: tuple[Any, ...]) -> float:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))
+    main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), *sys.argv[4:])

@@ -154,7 +154,7 @@ def recorded(entered: UnitDerivative, units: Units, spelled: Mapping[str, str], 
         own = [*(f.name for f in (*halves, *d.beside)), *([taped] if taped and d is entered else [])]
         own = [spelled[f] for f in own if f in spelled]
         arrays += recorded_arrays(d, own, called)
-        if d.unit.loop is not None and d.made.trips:
+        if d.unit.loop is not None and d.made.snapshots:
             loops.append(snapshot_loop(d, spelled[d.beside[0].name], called))
     return tuple(arrays), tuple(loops)
 

@@ -249,13 +249,15 @@ class RecordedArray:
 @dataclass(frozen=True)
 class SnapshotLoop:
     """A loop that keeps `snapshots`: the function of a generated module that runs it, what a user calls it, its place,
-    the name that holds the number of steps, and whether that is known before the first one."""
+    the name that holds the number of steps, whether that is known before the first one, and whether the adjoint of a
+    step runs a part of it again."""
     function: str
     loop: str
     place: SourcePlace | None
     snapshots: Snapshots
     steps: str
     is_counted: bool
+    runs_in_adjoint: bool = True
 
 
 @dataclass(frozen=True)

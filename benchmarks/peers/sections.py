@@ -19,7 +19,7 @@ A chapter is a module that has `SECTION`, and one line in `MODULES` below. To wr
 
 `measure` runs in a process of its own, on one core, with the C library told to keep its memory; it is killed when
 `minutes` are over, and a crash costs the chapter only. What it needs and does not find installed it says in its data.
-`draw` takes an empty matplotlib figure. All chapters together have 40 minutes on two cores; `quick` has one.
+`draw` takes an empty matplotlib figure. All chapters together have 50 minutes on two cores; `quick` has one.
 """
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from typing import Any
 from benchmarks.tables import Table
 
 MODULES = {"peers": "benchmarks.peers.comparison", "gradbench": "benchmarks.peers.gradbench",
-           "published": "benchmarks.published.section"}
+           "published": "benchmarks.published.section", "snapshots": "benchmarks.snapshot_curves"}
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ from s2sad.tree import AST, FunctionDef
 class Derivative:
     """A derivative: the function, the shadow of every name, its parameters as (name, role, primal), its returns; the
     lists of what a user's first halves keep, each with the call; the arrays that sum what shadows gain; of a loop that
-    keeps snapshots, the arrays of these, each with what it keeps, how many, and the name of the number of steps."""
+    keeps snapshots, the arrays of these, each with what it keeps, how many, the name of the number of steps, and
+    whether the adjoint of a step runs a part of it."""
     function: FunctionDef
     shadows: dict[str, str]
     parameters: list[tuple[str, str, str]] = field(default_factory=list)
@@ -22,3 +23,4 @@ class Derivative:
     snapshots: dict[str, str] = field(default_factory=dict)
     rows: AST | None = None
     trips: str = ""
+    again: bool = True

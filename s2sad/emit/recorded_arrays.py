@@ -28,7 +28,8 @@ def snapshot_loop(derived: UnitDerivative, function: str, called: Mapping[Place,
     loop = derived.unit.loop
     assert loop is not None
     place = _place(derived, loop.loop)
-    return SnapshotLoop(function, _called(place, called), place, loop.snapshots, derived.made.trips, loop.is_counted)
+    return SnapshotLoop(function, _called(place, called), place, loop.snapshots, derived.made.trips, loop.is_counted,
+                        derived.made.again)
 
 
 def _place(derived: UnitDerivative, node: AST) -> SourcePlace | None:

@@ -29,11 +29,12 @@ from s2sad.liveness import Accesses
 from s2sad.naming import Names
 from s2sad.normalize.calls.global_arrays import hidden_arrays
 from s2sad.normalize.calls.outlining import OutlinedLoop
+from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.passes import Passes, run
 from s2sad.program import Table
 from s2sad.simplify import DerivativeContext, Effect, Effects
 from s2sad.simplify.wide_accumulators import uses_float32
-from s2sad.tree import AST, Call, For, FunctionDef, function, user_call, walk_statements
+from s2sad.tree import AST, Assert, Call, For, FunctionDef, function, is_comment, user_call, walk, walk_statements
 from s2sad.units.normal_forms import NormalForms
 from s2sad.units.unit import Unit
 
@@ -142,10 +143,22 @@ class Units(NormalForms):
         for half in (forward, made.function):
             self.effects.add(half, typing)
         self.schedules |= halves.constants()
+        made.again = adjoint is not None and self._runs_forwards(adjoint.name.removeprefix("user."))
         callee = replace(self._callee(made, request, typing), forward=f"user.{forward.name}",
                          results=len(loop.outputs), is_loop=True)
         return UnitDerivative(callee, made.function, made, unit, context.activity, dict(typing.table), request,
                               RecordingPlan(), (forward,))
+
+    def _runs_forwards(self, title: str) -> bool:
+        """Whether a function is an adjoint that runs a part of its primal, or calls one, or is no adjoint."""
+        made = next((d for d in self.derived.values() if d.function.name == title), None)
+        if made is None or made.unit.kernel.own is not None or made.unit.loop is not None:
+            return True
+        body = made.function.body
+        marks = [k for k, s in enumerate(body) if is_comment(s)]
+        run = [s for s in body[:marks[-1] if marks else 0] if not (
+            is_comment(s) or isinstance(s, Assert) or is_allocation(s))]
+        return bool(run) or any(self._runs_forwards(called) for n in walk(body) if (called := user_call(n)))
 
     def _state(self, step: Unit, loop: OutlinedLoop, adjoint: CalleeDerivative | None) -> tuple[str, ...]:
         """The parameters of a loop's step that are kept."""

@@ -12,11 +12,13 @@ from s2sad.run.memory.step_counts import runs_of_schedule, runs_of_steps
 @dataclass(frozen=True)
 class LoopRuns:
     """A loop that keeps snapshots: what a user calls it, how many it keeps, its number of steps and how many runs of a
-    step there are in all; None where only the run tells."""
+    step there are in all, those in the adjoints of steps among them if these run a part of it; None where only the run
+    tells."""
     loop: str
     snapshots: int
     steps: int | None
     runs: int | None
+    in_adjoint: bool = True
 
     @property
     def extra(self) -> int | None:
@@ -28,7 +30,8 @@ class LoopRuns:
         if self.runs is None or self.steps is None:
             return f"{head}; how many steps there are is known only at run time"
         each = f", {self.runs / self.steps:.2f} a step" if self.steps else ""
-        return f"{head} of {self.steps:,} steps, which run {self.runs:,} times in all{each}"
+        own = "" if self.in_adjoint else "; their adjoints run none, for they need the states alone"
+        return f"{head} of {self.steps:,} steps, which run {self.runs:,} times in all{each}{own}"
 
 
 @dataclass(frozen=True)
@@ -104,10 +107,13 @@ def loop_runs(generated: Generated, found: Footprint) -> tuple[LoopRuns, ...]:
 def _runs(loop: SnapshotLoop, steps: int | None) -> LoopRuns:
     schedule = loop.snapshots.schedule
     if schedule is not None:
-        return LoopRuns(loop.loop, schedule.rows, schedule.steps, runs_of_schedule(schedule))
-    count = loop.snapshots.count
-    known = steps if loop.is_counted else None
-    return LoopRuns(loop.loop, count, known, None if known is None else runs_of_steps(known, count))
+        known, count, runs = schedule.steps, schedule.rows, runs_of_schedule(schedule)
+    else:
+        known, count = steps if loop.is_counted else None, loop.snapshots.count
+        runs = 0 if known is None else runs_of_steps(known, count)
+    if known is None:
+        return LoopRuns(loop.loop, count, None, None)
+    return LoopRuns(loop.loop, count, known, runs if loop.runs_in_adjoint else runs - known, loop.runs_in_adjoint)
 
 
 def shown(loop: str) -> str:

@@ -1,0 +1,101 @@
+"""The chapter of long loops: the time of a gradient against the memory of its snapshots, one curve for each kernel.
+
+Each number of snapshots is a text of its own, which is compiled: that is most of what the chapter takes.
+"""
+from __future__ import annotations
+
+import os
+import statistics
+from collections.abc import Callable
+from functools import partial
+from importlib.util import find_spec
+from time import process_time
+from typing import Any
+
+import s2sad
+from benchmarks.peers.sections import Chapter, Picture, Section
+from benchmarks.snapshots import KERNELS, given, gradient
+from benchmarks.tables import Table, seconds
+from s2sad.run.memory.step_counts import runs_of_steps
+
+STEPS, COUNTS, ROUNDS = 1000, (2, 5, 20, 100), 7
+QUICK_STEPS, QUICK_COUNTS, QUICK_ROUNDS = 60, (2, 60), 3
+PEERS = {"jax": "JAX's jax.checkpoint with scan", "equinox": "Equinox's checkpointed loop"}
+MINUTES = 12.0
+
+
+def measure(quick: bool) -> dict[str, Any]:
+    """Of each kernel the time and the tape of a gradient that records, and of those that keep snapshots."""
+    steps, counts, rounds = (QUICK_STEPS, QUICK_COUNTS, QUICK_ROUNDS) if quick else (STEPS, (*COUNTS, STEPS), ROUNDS)
+    kernels: dict[str, Any] = {}
+    for name, (kernel, loop, wrt) in KERNELS.items():
+        arguments = given(name, steps)
+        recorded = s2sad.differentiate(kernel, engine="numba")
+        curve = [_point(s2sad.differentiate(kernel, engine="numba", checkpoint={loop: count}), wrt, arguments, rounds,
+                        count) for count in counts]
+        kernels[name] = {"recorded": _point(recorded, wrt, arguments, rounds, 0), "curve": curve,
+                         "primal": _median(partial(_primal, recorded, arguments), rounds)}
+    return {"steps": steps, "kernels": kernels, "load": os.getloadavg()[0], "cores": os.cpu_count(),
+            "peers": {name: find_spec(name) is not None for name in PEERS}}
+
+
+def _primal(f: Any, arguments: tuple[Any, ...]) -> Any:
+    return f.primal(arguments[0].copy(), *arguments[1:])
+
+
+def _point(f: Any, wrt: str, arguments: tuple[Any, ...], rounds: int, snapshots: int) -> dict[str, float]:
+    memory = f.adjoint.memory(*arguments)
+    taken = _median(lambda: gradient(wrt)(f, arguments), rounds)
+    return {"snapshots": snapshots, "bytes": memory.snapshots or memory.tape, "time": taken}
+
+
+def _median(run: Callable[[], Any], rounds: int) -> float:
+    """The processor's time of a call, which has been compiled by one before."""
+    run()
+    times = []
+    for _ in range(rounds):
+        start = process_time()
+        run()
+        times.append(process_time() - start)
+    return statistics.median(times)
+
+
+def render(found: dict[str, Any]) -> Chapter:
+    steps = found["steps"]
+    table = Table(f"Gradients of loops of {steps:,} steps", (
+        "kernel", "snapshots", "runs of a step", "kept, MB", "time", "over recording", "over the primal"))
+    for name, of in found["kernels"].items():
+        recorded = of["recorded"]
+        for point in (*of["curve"], recorded):
+            count = int(point["snapshots"])
+            counted = bool(count) and name != "integrate_until"
+            table.rows.append((name, str(count) if count else "all is recorded",
+                               f"{runs_of_steps(steps, count) / steps:.2f}" if counted else "" if count else "1.00",
+                               f"{point['bytes'] / 1e6:.2f}", seconds(point["time"]),
+                               f"{point['time'] / recorded['time']:.2f}", f"{point['time'] / of['primal']:.2f}"))
+    absent = [PEERS[name] for name, there in found["peers"].items() if not there]
+    table.notes = [f"The load of the machine was {found['load']:.1f} on {found['cores']} cores when this was measured.",
+                   *([f"Not installed here, and not compared: {', '.join(absent)}."] if absent else [])]
+    return Chapter(body=[
+        "Runs of a step: Revolve's count, the run in its own adjoint included; it is run there in part only, where its "
+        "adjoint needs no more than the state.",
+        Picture("snapshots", "time of a gradient against what it keeps, a curve for each kernel",
+                partial(_draw, found)),
+        table])
+
+
+def _draw(found: dict[str, Any], figure: Any) -> None:
+    axes = figure.subplots()
+    for name, of in found["kernels"].items():
+        points, recorded = of["curve"], of["recorded"]
+        [line] = axes.plot([p["bytes"] / 1e6 for p in points], [p["time"] / of["primal"] for p in points], "o-",
+                           label=name)
+        axes.plot(recorded["bytes"] / 1e6, recorded["time"] / of["primal"], "s", color=line.get_color(), mfc="white")
+    axes.set_xscale("log")
+    axes.set_xlabel("snapshots, MB (squares: all is recorded)")
+    axes.set_ylabel("gradient over primal")
+    axes.set_ylim(bottom=0.0)
+    axes.legend()
+
+
+SECTION = Section("snapshots", "Long loops", measure, render, MINUTES)
