@@ -17,7 +17,8 @@ def header(derived: UnitDerivative, request: Request, units: Units) -> list[str]
     of, wrt = (", ".join(names) or "nothing" for names in (request.of, request.wrt))
     assumed = dict(request.assumed)
     engine = {"numpy": "NumPy", "numba": "Numba"}[request.engine]
-    lines = [f"{request.mode.capitalize()} of {unit.kernel.name}: d({of}) / d({wrt}).", "",
+    whole = f"{request.mode.capitalize()} of {unit.kernel.name}{' in two functions' if request.split else ''}"
+    lines = [f"{whole}: d({of}) / d({wrt}).", "",
              f"Engine: {engine}. Level: {request.level}. Arguments:"]
     for parameter, kind in zip((p.id for p in unit.function.args.args), unit.types):
         name = hidden_name(parameter, units.program)

@@ -30,6 +30,22 @@ It records nothing.
     assert ran("adjoint", "k.py:scale", "--wrt", "u")[1] == out
 
 
+def test_the_two_sweeps_as_two_functions(tmp_path, ran, kernel):
+    kernel(SCALE)
+    status, out, err = ran("adjoint", "k.py:scale", "--wrt", "u", "--split")
+    assert (status, err) == (0, "")
+    assert out.startswith('"""Adjoint of scale in two functions: d(u) / d(u).\n')
+    assert "def scale_augmented(u, c):\n" in out and "    return None, (u, c)\n" in out
+    assert "def scale_reverse(tape, u_bar):\n    u, c = tape\n    # reverse sweep\n    for i in range(" in out
+    for case in LOOPS:
+        source, options = f"{case.function.__code__.co_filename}:{case.function.__name__}", (
+            "--wrt", ",".join(case.wrt), "--of", ",".join(case.of), "--split", "--engine", "numba", "--level", "fast")
+        status, _, err = ran("adjoint", source, *options, "-o", tmp_path / f"{case.name}.py")
+        assert status == 0, err
+    done = run_python("-m", "ruff", "check", "--isolated", str(tmp_path))
+    assert done.returncode == 0, done.stdout
+
+
 @pytest.mark.parametrize("mode", ["adjoint", "tangent"])
 def test_files_pass_ruff_and_run_with_numpy_alone(tmp_path, ran, mode):
     for case in LOOPS:
