@@ -20,7 +20,7 @@ def live_state(step: FunctionDef, counter: str, changed: Mapping[str, str], need
     ends = step.body[-1:] if isinstance(step.body[-1], Return) else []
     body = with_body(step, step.body[:len(step.body) - len(ends)])
     parameters = [p.id for p in step.args.args]
-    fixed = {p for p in parameters if p not in changed} - {counter}
+    fixed = ({p for p in parameters if p not in changed} - {counter}) | {"=" + p for p in parameters}
     free = {a for a in changed if changed[a] == a and refills(step, a, fixed, callees)}
     state = ({*needed} & {*changed}) - free
     while True:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.reallocated_arrays import is_reallocated
 from s2sad.liveness import base_name, read_names, targets
+from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import (
     AST, Assign, Attribute, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Subscript, While, dump, names,
     stored_names, user_call, walk, walk_statements,
@@ -29,8 +30,9 @@ class Callees(Protocol):
 
 
 def refills(function: FunctionDef, array: str, fixed: Set[str], callees: Callees, last: bool = True) -> bool:
-    """Whether a function stores into the same elements of an array each time that its parameters `fixed` are the same,
-    and reads none of them before it has; if it is not the `last` to store there it reads no others either."""
+    """Whether a function stores into the same elements of an array each time that `fixed` are the same (`p` for what a
+    parameter holds, `=p` for its size), and reads none of them before it has; if it is not the `last` to store there it
+    reads no others either."""
     return _Refill(function, array, fixed, callees).block(function.body, frozenset(), last)
 
 
@@ -38,11 +40,11 @@ def refilled_by_call(called: Call, array: str, known: Set[str], callees: Callees
     """Whether a call refills an array that it is given, once, each time that the names `known` are what they are."""
     function = callees.function_of(called)
     given = [k for k, a in enumerate(called.args) if array in read_names(a)]
-    if function is None or len(given) != 1 or not isinstance(called.args[given[0]], Name) or not all(
-            is_known(a.slice, known) for a in called.args if isinstance(a, Subscript)):      # sizes that change
+    if function is None or len(given) != 1 or not isinstance(called.args[given[0]], Name):
         return False
     parameters = [p.id for p in function.args.args]
     fixed = {p for p, a in zip(parameters, called.args) if isinstance(a, Constant) or is_known(a, known)}
+    fixed |= {"=" + p for p, a in zip(parameters, called.args) if has_known_size(a, known)}
     return refills(function, parameters[given[0]], fixed, callees, last)
 
 
@@ -54,13 +56,37 @@ def refilled_in_loops(statement: AST, array: str, structure: ProgramStructure, c
         return False
     inside = [loops[0], *(p.statement for p in structure.inner[id(loops[0])])]
     changed = {base_name(t) for s in inside for t in (*targets(s), *calls.writes(s))}
-    return calls.refills(called, array, {*structure.typing.table} - changed)
+    table = {*structure.typing.table}
+    return calls.refills(called, array, (table - changed) | {"=" + n for n in table})
 
 
 def is_known(node: AST, known: Set[str]) -> bool:
-    """Whether an expression has the same values each time: of such names, and of sizes."""
+    """Whether an expression has the same values each time: of such names, and of such sizes."""
     return not any(isinstance(n, Call) and user_call(n) or isinstance(n, Subscript) and isinstance(n.value, Name)
-                   for n in walk(node)) and {n for n in read_names(node) if not n.startswith("=")} <= known
+                   for n in walk(node)) and read_names(node) <= known
+
+
+def has_known_size(node: AST, known: Set[str]) -> bool:
+    """Whether an array, or a part of one, has the same size each time."""
+    while isinstance(node, Subscript):
+        if not is_known(node.slice, known):
+            return False
+        node = node.value
+    return isinstance(node, Name) and "=" + node.id in known
+
+
+def stored_elements(function: FunctionDef, callees: Callees) -> set[str]:
+    """The arrays of which a function stores elements, also by a name of a part or by a call."""
+    found: set[str] = set()
+    bound: list[tuple[str, set[str]]] = []
+    for statement in walk_statements(function.body):
+        found |= {base_name(t) for t in targets(statement) if isinstance(t, Subscript)}
+        found |= {w for n in walk(statement) if isinstance(n, Call) and user_call(n) for w in callees.call_writes(n)}
+        if isinstance(statement, Assign) and not is_allocation(statement):
+            bound += [(t.id, read_names(statement.value)) for t in targets(statement) if isinstance(t, Name)]
+    while grown := {n for name, read in bound if name in found for n in read} - found:
+        found |= grown
+    return found
 
 
 @dataclass
@@ -72,20 +98,22 @@ class _Refill:
     callees: Callees
 
     def __post_init__(self) -> None:
-        """`known` are the names that have the same values each time: such parameters, what is bound once to a known
-        value, and the counters of loops over known ranges."""
+        """`known` are the names that have the same values each time, and `=x` for those of the same size: such
+        parameters, what is bound once to a known value, and the counters of loops over known ranges."""
         bound: dict[str, list[AST]] = {}
         for statement in walk_statements(self.function.body):
             for target in targets(statement):
                 if isinstance(target, Name):
                     bound.setdefault(target.id, []).append(statement)
-        self.known = {*self.fixed} - {*bound}
+        stored = stored_elements(self.function, self.callees)
+        self.known = {n for n in self.fixed if n.lstrip("=") not in bound}
         counters = {id(s) for s in _in_loops_only(self.function.body) if isinstance(s, For)}
-        waiting = dict(bound)
+        parameters = {p.id for p in self.function.args.args}
+        waiting = {n: those for n, those in bound.items() if n not in parameters}
         while found := [n for n, those in waiting.items() if all(
                 id(s) in counters and is_known(s.iter, self.known) if isinstance(s, For) else
                 len(those) == 1 and isinstance(s, Assign) and is_known(s.value, self.known) for s in those)]:
-            self.known |= {*found}
+            self.known |= {"=" + n for n in found} | {n for n in found if n not in stored}
             waiting = {n: those for n, those in waiting.items() if n not in found}
 
     def stores(self, statement: AST) -> bool:
@@ -132,6 +160,7 @@ class _Refill:
         if isinstance(statement, (If, While)):
             return False
         if isinstance(statement, (Assign, Expr)) and user_call(statement.value):
+            last = last and not read_names(statement.value) & self.known & varying
             return refilled_by_call(statement.value, self.array, self.known, self.callees, last)
         if not isinstance(statement, Assign) or self.reads(statement.value):
             return False

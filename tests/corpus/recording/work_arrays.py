@@ -206,9 +206,72 @@ def exchanged(x, n):
     return np.sum(u ** 2) + np.sum(work * other)
 
 
+def as_many_as_its_copy_says(u, work):
+    v = u.copy()
+    for i in range(int(v.sum() * 7.0) % 3 + 1):
+        work[i] = u[i] ** 2
+    for i in range(u.shape[0]):
+        u[i] = 0.8 * u[i] + 0.3 * np.sin(work[i] * work[u.shape[0] - 1 - i] + 0.4)
+
+
+def of_what_is_stored_in_it(x, n):
+    u, work = x.copy(), np.ones_like(x)
+    for _k in range(n):
+        as_many_as_its_copy_says(u, work)
+    return np.sum(u ** 2)
+
+
+def as_many_as_are_large(u, work):
+    large = u[u > 0.9]
+    for i in range(large.shape[0]):
+        work[i] = large[i] ** 2
+    for i in range(u.shape[0]):
+        u[i] = 0.8 * u[i] + 0.3 * np.sin(work[i] * work[u.shape[0] - 1 - i] + 0.4)
+
+
+def of_a_size_that_changes(x, n):
+    u, work = x.copy(), np.ones_like(x)
+    for _k in range(n):
+        as_many_as_are_large(u, work)
+    return np.sum(u ** 2)
+
+
+def as_many_as_are_drawn(u, work, rng):
+    for i in range(np.sum(rng.integers(0, 2, 3))):
+        work[i] = u[i] ** 2
+    for i in range(u.shape[0]):
+        u[i] = 0.8 * u[i] + 0.3 * np.sin(work[i] * work[u.shape[0] - 1 - i] + 0.4)
+
+
+def of_a_drawn_size(x, n):
+    u, work, rng = x.copy(), np.ones_like(x), np.random.default_rng(3)
+    for _k in range(n):
+        as_many_as_are_drawn(u, work, rng)
+    return np.sum(u ** 2)
+
+
+def one(u, work, s):
+    work[s] = u[s] ** 2
+    for i in range(u.shape[0]):
+        u[i] = 0.8 * u[i] + 0.3 * np.sin(work[i] * work[u.shape[0] - 1 - i] + 0.4)
+
+
+def each(u, work):
+    for s in range(u.shape[0]):
+        one(u, work, s)
+
+
+def of_others_before(x, n):
+    u, work = x.copy(), np.ones_like(x)
+    for _k in range(n):
+        each(u, work)
+    return np.sum(u ** 2)
+
+
 REFILLED = (filled, read_around, read_by_another)       # whose work array needs no record
 OTHERS = (filled_again_behind, stored_behind, stored_between, in_two_loops, slices_that_grow, left_in_the_middle,
-          bound_that_is_rebound, spans_that_move, rows_of_others, stored_behind_each, exchanged)
+          bound_that_is_rebound, spans_that_move, rows_of_others, stored_behind_each, exchanged,
+          of_what_is_stored_in_it, of_a_size_that_changes, of_a_drawn_size, of_others_before)
 
 
 def cases():
