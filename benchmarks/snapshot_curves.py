@@ -43,10 +43,15 @@ def _primal(f: Any, arguments: tuple[Any, ...]) -> Any:
     return f.primal(arguments[0].copy(), *arguments[1:])
 
 
-def _point(f: Any, wrt: str, arguments: tuple[Any, ...], rounds: int, snapshots: int) -> dict[str, float]:
+def _point(f: Any, wrt: str, arguments: tuple[Any, ...], rounds: int, snapshots: int) -> dict[str, float | None]:
+    """The snapshots or the tape of a gradient, None where it is known only at run time, and its time."""
     memory = f.adjoint.memory(*arguments)
     taken = _median(lambda: gradient(wrt)(f, arguments), rounds)
-    return {"snapshots": snapshots, "bytes": memory.snapshots or memory.tape, "time": taken}
+    return {"snapshots": snapshots, "bytes": _bytes(memory), "time": taken}
+
+
+def _bytes(memory: Any) -> int | None:
+    return (memory.snapshots or memory.tape) if memory.is_complete else None
 
 
 def _median(run: Callable[[], Any], rounds: int) -> float:
@@ -71,14 +76,14 @@ def render(found: dict[str, Any]) -> Chapter:
             counted = bool(count) and name != "integrate_until"
             table.rows.append((name, str(count) if count else "all is recorded",
                                f"{runs_of_steps(steps, count) / steps:.2f}" if counted else "" if count else "1.00",
-                               f"{point['bytes'] / 1e6:.2f}", seconds(point["time"]),
+                               f"{point['bytes'] / 1e6:.2f}" if point["bytes"] else "grows", seconds(point["time"]),
                                f"{point['time'] / recorded['time']:.2f}", f"{point['time'] / of['primal']:.2f}"))
     absent = [PEERS[name] for name, there in found["peers"].items() if not there]
     table.notes = [f"The load of the machine was {found['load']:.1f} on {found['cores']} cores when this was measured.",
-                   *([f"Not installed here, and not compared: {', '.join(absent)}."] if absent else [])]
+                   *([f"Not installed, and not compared: {', '.join(absent)}."] if absent else [])]
     return Chapter(body=[
-        "Runs of a step: Revolve's count, the run in its own adjoint included; it is run there in part only, where its "
-        "adjoint needs no more than the state.",
+        "Runs of a step: Revolve's count, the run in its own adjoint included, which is none where that needs the "
+        "state alone.",
         Picture("snapshots", "time of a gradient against what it keeps, a curve for each kernel",
                 partial(_draw, found)),
         table])
@@ -90,7 +95,9 @@ def _draw(found: dict[str, Any], figure: Any) -> None:
         points, recorded = of["curve"], of["recorded"]
         [line] = axes.plot([p["bytes"] / 1e6 for p in points], [p["time"] / of["primal"] for p in points], "o-",
                            label=name)
-        axes.plot(recorded["bytes"] / 1e6, recorded["time"] / of["primal"], "s", color=line.get_color(), mfc="white")
+        if recorded["bytes"]:
+            axes.plot(recorded["bytes"] / 1e6, recorded["time"] / of["primal"], "s", color=line.get_color(),
+                      mfc="white")
     axes.set_xscale("log")
     axes.set_xlabel("snapshots, MB (squares: all is recorded)")
     axes.set_ylabel("gradient over primal")
