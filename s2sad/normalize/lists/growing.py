@@ -9,27 +9,24 @@
                                                         u_count += 1
                                                     return u[u_count - 1]
 
-Requires resolved names; establishes that there are no comprehensions and no appends. `builtins.list(count)` is an array
-whose type follows from what is stored (`infer`); `list_allocation` allocates it. Before, loops over lists that are
-spelled out are unrolled (`list_iteration`), and comprehensions become loops that append. Where it is not known how long
+Requires resolved names and no comprehensions; establishes that there are no appends. `builtins.list(count)` is an array
+whose type follows from what is stored (`infer`); `list_allocation` allocates it. Where it is not known how long
 a list becomes (`Capacity`), its array doubles when it is full.
 """
 from __future__ import annotations
 
 from s2sad.infer.list_arrays import LISTED, MARKS, filled_part, growing_capacity, list_arrays
-from s2sad.evaluate.loops.comprehensions import HELP, comprehensions, marked
 from s2sad.evaluate.loops.negative_indices import negative_indices, place as index_of
 from s2sad.evaluate.expressions.hoist import impure
 from s2sad.normalize.lists.capacity import Capacity, IndexIntervals, sink_empty_lists
 from s2sad.normalize.lists.list_contents import COPIED, row_aliases
-from s2sad.evaluate.loops.escaping_lists import escaping_lists, has_sizes, list_repetition
+from s2sad.evaluate.loops.escaping_lists import escaping_lists, has_sizes
 from s2sad.evaluate.scope import KernelScope
 from s2sad.liveness import base_name, targets
 from s2sad.normalize.views.view_aliases import makes_view
-from s2sad.evaluate.loops.list_iteration import list_iteration
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BoolOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, GeneratorExp, Gt,
-    IfExp, List, ListComp, Name, Not, Return, Slice, Store, Subscript, Tuple, USub, UnaryOp, add, assign, at, augment,
+    AST, Add, Assign, Attribute, BinOp, BoolOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, Gt,
+    IfExp, List, Mult, Name, Not, Return, Slice, Store, Subscript, Tuple, USub, UnaryOp, add, assign, at, augment,
     call, call_name, compare, const, copy, head_copy, index, indices, name, rebuild, rename, stored_names, sub,
     walk, walk_statements,
 )
@@ -38,6 +35,8 @@ _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "re
 
 _REBOUND = ("pick its elements by written numbers, or in loops through it, and give it no second name; or allocate an "
          "array before and fill it in a for loop")
+_DISPLAYS = {"tuple": Tuple, "list": List}
+HELP = "allocate an array before and fill it in a for loop"
 _SAME = ("numpy.asarray", "numpy.ascontiguousarray")
 _LIST = next(m for m, kind in MARKS.items() if kind == "list")
 _EXTREME = {"builtins.max": "numpy.max", "builtins.min": "numpy.min"}      # of one list
@@ -45,13 +44,12 @@ _EXTREME = {"builtins.max": "numpy.max", "builtins.min": "numpy.min"}      # of 
 
 def growing(function: FunctionDef, scope: KernelScope) -> FunctionDef:
     """The function with arrays in place of these lists and of comprehensions."""
-    function = list_repetition(list_iteration(function), scope)
+    function = rebuild(function, _unfilled)
     nodes = list(walk(function.body))
-    if not escaping_lists(function) and not any(
-            isinstance(n, (ListComp, GeneratorExp)) or _appended(n) or call_name(n) == LISTED for n in nodes):
+    if not escaping_lists(function) and not any(_appended(n) or call_name(n) == LISTED for n in nodes):
         _refuse_row_aliases(function, scope)
         return function
-    new = sink_empty_lists(comprehensions(_renamed_rebindings(function, scope), scope), scope, _appended)
+    new = sink_empty_lists(_renamed_rebindings(function, scope), scope, _appended)
     scope.report.finish()
     scope.begin(new)
     _refuse_row_aliases(new, scope)
@@ -59,6 +57,20 @@ def growing(function: FunctionDef, scope: KernelScope) -> FunctionDef:
              and isinstance(s.targets[0], Name)}
     return _GrowingLists(new, scope, [n for n in escaping_lists(new) if n in alone],
                          {_appended(n) for n in nodes}).function()
+
+
+def _unfilled(node: AST) -> AST | None:
+    """A list that is yet to be filled: `[None] * n`."""
+    one = node.left if isinstance(node, BinOp) and isinstance(node.op, Mult) else node
+    if not isinstance(one, List) or not one.elts or not all(
+            isinstance(i, Constant) and i.value is None for i in one.elts):
+        return None
+    return at(call(LISTED, node.right if isinstance(node, BinOp) else const(len(one.elts))), node)
+
+
+def marked(item: AST) -> AST:
+    """An item of a list; one that is a list or a tuple has a mark, for `list_operators`."""
+    return next((call(m, item) for m, kind in MARKS.items() if isinstance(item, _DISPLAYS[kind])), item)
 
 
 def _refuse_row_aliases(function: FunctionDef, scope: KernelScope) -> None:
@@ -81,7 +93,7 @@ def _renamed_rebindings(function: FunctionDef, scope: KernelScope) -> FunctionDe
             other = scope.fresh(target.id)
             new.body = [*new.body[:k], at(assign(other, statement.value), statement),
                         *(rename(s, {target.id: other}) for s in new.body[k + 1:])]
-        elif isinstance(statement.value, ListComp) or isinstance(statement.value, List) and target.id in grown:
+        elif isinstance(statement.value, List) and target.id in grown:
             made.add(target.id)
     return new
 

@@ -106,9 +106,14 @@ def _repeated(ev: Evaluator, sequence: Reference, times: Data, node: AST) -> Val
     items = list(ev.heap[sequence].items.values())
     if len(items) != 1 or not isinstance(items[0], Data) or not items[0].is_literal:
         return None
-    made = tree.BinOp(ev.spelled(sequence, node), tree.Mult(), ev.spelled(times, node))
-    wanted = ev.wanted.get(node, ("items", node))[0]
-    return ev.named(Data(tree.at(made, node), is_list=True, demands=times.demands), wanted, node)
+    item, count, wanted = items[0], ev.spelled(times, node), ev.wanted.get(node, ("items", node))[0]
+    unfilled = tree.BinOp(ev.spelled(sequence, node), tree.Mult(), count)
+    empty = unfilled if item.known is None else tree.List([], tree.Load())
+    made = ev.named(Data(tree.at(empty, node), is_list=True, demands=times.demands), wanted, node)
+    if item.known is not None:
+        append = tree.Call(tree.attribute(made.node, "append"), [ev.spelled(item, node)], [])
+        ev.emit(tree.counted_for(ev.fresh("each"), [tree.copy(count)], [tree.Expr(append)]), node)
+    return made
 
 
 # -- operators -------------------------------------------------------------------------------------------------------
