@@ -3,7 +3,7 @@
     assert u.shape == v.shape, "shapes differ: ..."     line 12: u += v in the kernel, what is said, what is compared
 
 The kernel's own assertions are none: their messages are marked where they are read
-(`evaluate/expressions/single_target.py`), and an assertion without a message is the kernel's.
+(`normalize/control/single_target.py`), and an assertion without a message is the kernel's.
 """
 from __future__ import annotations
 

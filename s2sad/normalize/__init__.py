@@ -3,7 +3,7 @@
 In comes a kernel's tree with resolved names, in the supported subset; out goes, for given types of arguments, a
 function of single assignments over arrays and numbers, with the types of all its names. Its phases, in order:
 
-    STRUCTURE   one target a statement, one exit, loops that count; types play no part. With `evaluate`'s passes.
+    STRUCTURE   one target a statement, one exit, loops that count; types play no part
     CALLS       functions of NumPy and SciPy under one spelling
     TYPES       callees that return arrays inlined, the type of each name, what types decide
     ARRAYS      functions of whole arrays stand alone; every array is named by its buffer and its subscripts
@@ -12,7 +12,6 @@ function of single assignments over arrays and numbers, with the types of all it
 """
 from __future__ import annotations
 
-from s2sad import evaluate
 from s2sad.naming import Names
 from s2sad.normalize.anf import anf
 from s2sad.normalize.array_anf import array_anf
@@ -25,7 +24,9 @@ from s2sad.normalize.calls.tuple_arguments import tuple_arguments
 from s2sad.normalize.check_known import check_known
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.control.conditional_values import conditional_values
+from s2sad.normalize.control.counted_loops import counted_loops
 from s2sad.normalize.control.single_exit import single_exit
+from s2sad.normalize.control.single_target import single_target
 from s2sad.normalize.dtypes.complex_support import complex_support
 from s2sad.normalize.dtypes.operand_types import operand_types
 from s2sad.normalize.dtypes.overflow import overflow
@@ -76,13 +77,12 @@ def shares_buffers(context: NormalContext) -> bool:
 
 
 STRUCTURE: Passes = (
-    *evaluate.SEQUENCES,
     Pass(mgrid),
     Pass(positional_arguments),
     Pass(growing),
-    *evaluate.STATEMENTS,
+    Pass(single_target),
     Pass(single_exit),
-    *evaluate.LOOPS,
+    Pass(counted_loops),
 )
 CALLS: Passes = (
     Pass(scipy_linalg),

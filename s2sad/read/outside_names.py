@@ -20,7 +20,7 @@ from s2sad.rules.spellings import is_scipy
 Identify = Callable[["UserFunctionValue | Number | Array | Record"], str]
 
 
-# what `evaluate/loops` writes out
+# what `evaluate/specialize/sequences` writes out
 COMBINING = ("itertools.product", "itertools.combinations", "itertools.combinations_with_replacement")
 ALL = -1                                # of a tuple or list: NumPy or a loop goes through it as through an array
 ITERATORS = ("enumerate", "zip", "reversed")

@@ -31,7 +31,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from s2sad import evaluate, normalize, optimize, simplify
+from s2sad import normalize, optimize, simplify
 from s2sad.emit import text
 from s2sad.passes import each
 from s2sad.tree import Assert, FunctionDef, at, rebuild
@@ -39,7 +39,7 @@ from s2sad.units import DERIVATIVES, KERNELS
 from s2sad.units.primal_form import PASSES as PRIMAL
 from tests.harness.derivation_steps import runs
 
-LISTS = (KERNELS, DERIVATIVES, PRIMAL, evaluate.PASSES, normalize.PASSES, simplify.LOWERED, simplify.PASSES,
+LISTS = (KERNELS, DERIVATIVES, PRIMAL, normalize.PASSES, simplify.LOWERED, simplify.PASSES,
          optimize.KERNELS, optimize.PASSES)
 
 

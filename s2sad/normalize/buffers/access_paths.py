@@ -14,7 +14,7 @@ from s2sad.infer.slice_extents import is_whole, are_separated
 from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
 from s2sad.normalize.buffers.allocations import Allocations, is_full
-from s2sad.evaluate.expressions.hoist import constant_index
+from s2sad.normalize.control.hoist import constant_index
 from s2sad.normalize.buffers.compose_subscripts import composed, is_new
 from s2sad.tree import (
     AST, Attribute, BinOp, Call, Constant, List, Name, Slice, Subscript, Tuple, assign, at, attribute, call, call_name,

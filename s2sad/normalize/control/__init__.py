@@ -1,1 +1,1 @@
-"""Control flow: one exit, return variables, peeled iterations, conditional values."""
+"""Control flow: one target a statement, one exit, loops that count, return variables, peeled iterations."""

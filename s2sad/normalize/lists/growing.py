@@ -16,11 +16,11 @@ a list becomes (`Capacity`), its array doubles when it is full.
 from __future__ import annotations
 
 from s2sad.infer.list_arrays import LISTED, MARKS, filled_part, growing_capacity, list_arrays
-from s2sad.evaluate.loops.negative_indices import negative_indices, place as index_of
-from s2sad.evaluate.expressions.hoist import impure
+from s2sad.normalize.lists.negative_indices import negative_indices, place as index_of
+from s2sad.normalize.control.hoist import impure
 from s2sad.normalize.lists.capacity import Capacity, IndexIntervals, sink_empty_lists
 from s2sad.normalize.lists.list_contents import COPIED, row_aliases
-from s2sad.evaluate.loops.escaping_lists import escaping_lists, has_sizes
+from s2sad.normalize.lists.escaping_lists import escaping_lists, has_sizes
 from s2sad.evaluate.scope import KernelScope
 from s2sad.liveness import base_name, targets
 from s2sad.normalize.views.view_aliases import makes_view

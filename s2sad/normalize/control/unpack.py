@@ -8,7 +8,7 @@
 from __future__ import annotations
 
 from s2sad.evaluate.argument_binding import result_count, user_call
-from s2sad.evaluate.expressions.hoist import bound_call, hoist, hoist_all, impure, into, operands, replace_operands
+from s2sad.normalize.control.hoist import bound_call, hoist, hoist_all, impure, into, operands, replace_operands
 from s2sad.evaluate.effects import STABLE
 from s2sad.evaluate.scope import KernelScope, atomic
 from s2sad.tree import (

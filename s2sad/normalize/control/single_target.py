@@ -34,11 +34,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.evaluate.argument_binding import user_call
-from s2sad.evaluate.loops.negative_indices import places_counted
-from s2sad.evaluate.expressions.hoist import bound_call, hoist, hoist_all, impure, operands, replace_operands, stored
+from s2sad.normalize.lists.negative_indices import places_counted
+from s2sad.normalize.control.hoist import bound_call, hoist, hoist_all, impure, operands, replace_operands, stored
 from s2sad.evaluate.mutating_calls import UNSUPPORTED, stored_by_call, stored_out
 from s2sad.evaluate.scope import KernelScope
-from s2sad.evaluate.expressions.unpack import unassignable, unpack
+from s2sad.normalize.control.unpack import unassignable, unpack
 from s2sad.rules.composed import WRITING
 from s2sad.tree import (
     SAID, AST, And, AnnAssign, Assert, Assign, AugAssign, BinOp, BoolOp, Break, Call, Constant, Continue, Expr, For,
