@@ -38,6 +38,7 @@ CODES = {
     "S407": "what was asked for cannot be written",
     "S408": "checkpoint names what is no loop, or one that cannot keep snapshots",
     "S409": "a tape that cannot be used",
+    "S410": "a derivative takes more memory than there is, or than it may",
     # S5: while the kernel runs
     "S501": "values that do not fit each other, as sizes of arrays",
     # S9: ourselves

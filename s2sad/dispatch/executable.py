@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from s2sad.dispatch.deferred import compiler
+from s2sad.dispatch.memory_check import MemoryCheck
 from s2sad.dispatch.tape_reuse import TapeReuse
 from s2sad.infer.types import Type
 from s2sad.program import Generated, Parameter
 from s2sad.live_objects.registry import RegisteredRule
 from s2sad.run.compiled import compiled, prepare
 from s2sad.run.exceptions import CAUGHT, ExceptionMeanings
-from s2sad.run.memory import Memory, footprint, memory_of
+from s2sad.run.memory import Memory, footprint_of, memory_of
 from s2sad.run.module_loader import keep_loaded, load
 from s2sad.run.overlap import Check, Slot
 from s2sad.run.through_python import files_emptied_on_error
@@ -32,6 +33,10 @@ def as_it_is(value: Any) -> Any:
 def kind_of(kind: Type) -> Callable[[Any], Any]:
     """What makes a result of this type a number of Python's, or one of float32."""
     return _KINDS.get(kind.dtype, as_it_is) if kind.is_number else as_it_is
+
+
+def _fits(arguments: Sequence[Any]) -> None:
+    """Nothing is recorded that could be too large."""
 
 
 def without_warnings(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -83,6 +88,8 @@ class Executable:
             TapeReuse(self.dispatcher, self._first, function) if stacks else
             without_warnings(self.dispatcher) if engine == "numpy" else self.dispatcher)
         self.function = self.in_folders(self.function)
+        self.check_memory = MemoryCheck(generated, kernel, summary.written) if any(
+            a.place is not None for a in generated.facts.get("recorded", ())) else _fits
         self.shadows = {p.primal: p for p in self.parameters if p.role == "shadow"}
         self.seeds = tuple(p for p in self.parameters if p.role == "seed")
         self._written = frozenset(summary.written)
@@ -138,7 +145,7 @@ class Executable:
 
     def memory(self, values: Mapping[str, Any], copies: int = 0) -> Memory:
         """What a call takes for these values of the kernel's parameters by name, of which the caller makes `copies`."""
-        return memory_of(self.generated, footprint(self.generated, values, self._written), copies)
+        return memory_of(self.generated, footprint_of(self.generated, values, self._written), copies)
 
     def prepare(self, arguments: Sequence[Any]) -> None:
         """Compiles for the types of these arguments, or reads Numba's cache."""
@@ -161,8 +168,14 @@ class Executable:
         try:
             returned = self.call_with_private_shadows(arguments, shared) if shared else self.function(*arguments)
         except CAUGHT as error:
-            raise self.failures.meaning(error) from None
+            raise self.meaning(error, arguments) from None
         return () if returned is None else tuple([kind(v) for kind, v in zip(self._kinds, returned)])
+
+    def meaning(self, error: BaseException, arguments: Sequence[Any]) -> BaseException:
+        """What to raise in place of an exception of a call with these arguments."""
+        if isinstance(error, MemoryError):
+            return self.check_memory.meaning(error, arguments) if isinstance(self.check_memory, MemoryCheck) else error
+        return self.failures.meaning(error)
 
     def call(self, *arguments: Any) -> Any:
         """Calls the generated function, and gives what it gives."""

@@ -128,6 +128,7 @@ class AnnotatedCall:
         ordered = [seeds.get(k, 0.0) for k in self.places] if self.mode.reverse else []
         arguments = variant.assemble(by_name, shadows, ordered, state.arrays_by_name())
         shared = variant.shared_arrays(arguments)
+        variant.check_memory(arguments)
         if not self._ready:
             state.check_bounds(values, self.engine)
         if self.keeps or state.arrays:

@@ -32,6 +32,7 @@ class ShadowCall:
         self._coercions = self._conversions(args)
         arguments = self._arguments(args)
         self.variant.shared_arrays(arguments)
+        self.variant.check_memory(arguments)
         state.check_bounds(values, self.variant.engine)
         self.variant.prepare(arguments)
         self._direct = not self._coercions and not self._hidden
@@ -42,6 +43,7 @@ class ShadowCall:
         variant = self.variant
         arguments = args if self._direct else self._arguments(args)
         shared = variant.shared_arrays(arguments)
+        variant.check_memory(arguments)
         if self._hidden_written:
             assert isinstance(arguments, list)  # hidden arguments are never direct
             outside = self.state.private_outside_arrays(self.types)
@@ -50,7 +52,7 @@ class ShadowCall:
         try:
             return variant.call_with_private_shadows(arguments, shared) if shared else self._call(*arguments)
         except CAUGHT as error:
-            raise variant.failures.meaning(error) from None
+            raise variant.meaning(error, arguments) from None
 
     def _plain(self, *arguments: Any) -> Any:
         """Under NumPy a number may come back as a NumPy scalar; the seed of an array may not fit."""

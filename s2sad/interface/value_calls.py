@@ -72,6 +72,7 @@ class PreparedCall:
                seeds: Sequence[Any] = ()) -> tuple[Any, ...]:
         """Calls the derivative; the first time it is compiled, and the primal run with bounds checks."""
         arguments = variant.assemble(values, shadows, seeds, self.state.private_outside_arrays(self.types))
+        variant.check_memory(arguments)
         if not self._ready:
             self.state.check_bounds([values[n] for n in self.names], self.engine)
             variant.prepare(arguments)

@@ -17,7 +17,7 @@ from s2sad.live_objects.unwrap import apply_functions
 from s2sad.report.findings import Findings, FoundPlace, findings
 from s2sad.report.listing import Listing, listings
 from s2sad.report.page import page
-from s2sad.run.memory import Footprint, LoopRuns, byte_text, footprint, loop_runs
+from s2sad.run.memory import Footprint, LoopRuns, byte_text, footprint_of, loop_runs
 from s2sad.run.compiled import chosen
 from s2sad.interface.selection import Wrt, names_of, selected_of, selected_wrt
 from s2sad.run.tracebacks import public
@@ -131,7 +131,7 @@ def explain_program(program: Program, request: Request, arguments: Mapping[str, 
         outside = {hidden_name(p, units.program): current(program.arrays[a])
                    for p, a in hidden_arrays(units.program).items()}
         parameters = [hidden_name(p.id, units.program) for p in entry.unit.function.args.args]
-        taken = footprint(made, {**arguments, **outside}, {parameters[k] for k in entry.unit.summary.written})
+        taken = footprint_of(made, {**arguments, **outside}, {parameters[k] for k in entry.unit.summary.written})
     derived = [entry, *(d for d in units.derived.values() if d is not entry)]
     title = (f"{request.mode.capitalize()} of {entry.unit.kernel.name}: d({', '.join(request.of) or 'nothing'}) / "
              f"d({', '.join(request.wrt) or 'nothing'}), engine {request.engine}")

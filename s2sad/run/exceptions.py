@@ -11,7 +11,7 @@ from types import TracebackType
 from s2sad.diagnostics import Diagnostic, S2sadError, S2sadValueError
 from s2sad.program import TextGuard, SourcePlace
 
-CAUGHT = (AssertionError, OSError, SystemError, ValueError)      # the exceptions that may have a `meaning`
+CAUGHT = (AssertionError, MemoryError, OSError, SystemError, ValueError)      # the exceptions that may have a `meaning`
 
 
 class ExceptionMeanings:

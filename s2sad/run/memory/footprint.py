@@ -42,7 +42,7 @@ class Footprint:
         return max(found, key=lambda s: s.bytes, default=None)
 
 
-def footprint(generated: Generated, values: Mapping[str, Any], written: Collection[str] = ()) -> Footprint:
+def footprint_of(generated: Generated, values: Mapping[str, Any], written: Collection[str] = ()) -> Footprint:
     """The memory of a call of a generated function for the values of its kernel's parameters, by name; nothing is run.
     What lies in arrays of integers counts unless they are `written`."""
     functions, constants = _parsed(generated.text)
