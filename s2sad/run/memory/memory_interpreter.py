@@ -19,7 +19,7 @@ from s2sad.run.memory.abstract_arrays import Array, KeptList, Meter
 from s2sad.run.memory.abstract_expressions import Expressions, either
 from s2sad.run.memory.allocating_functions import Trips
 from s2sad.run.memory.growing_stacks import Frame, Stacks, count_of_entries
-from s2sad.run.memory.inert_statements import InertStatements
+from s2sad.run.memory.inert_statements import InertStatements, deciding
 from s2sad.run.memory.interval_arithmetic import (
     INF, UNKNOWN, Between, bounds, joined, loops_of_values, operated, truth,
 )
@@ -185,12 +185,13 @@ class MemoryInterpreter:
             trips = Trips(UNKNOWN)
         if bounds(trips.count)[1] <= 0:
             return ""
-        if not isinstance(trips.count, Between) and trips.count < 3:
+        if not any(isinstance(p, Between) for p in trips.bounds) and trips.count < 3:
             return self.trip_by_trip(statement, trips, frame)
         before, state = dict(frame.scope), self.meter.state()
         how = self.all_at_once(statement, frame, trips.count, trips)
-        cost = trips.count * _length(statement) if not isinstance(trips.count, Between) else INF
-        differ = id(statement) in self.meter.loops
+        known = not any(isinstance(p, Between) for p in trips.bounds)
+        cost = trips.count * _length(statement) if known else INF
+        differ = id(statement) in self.meter.loops or self.counts_vaguely(statement, frame, before)
         if differ and cost <= self.left or id(statement) in self.meter.vague and cost <= _FEW:
             frame.scope.clear()
             frame.scope.update(before)
@@ -198,6 +199,12 @@ class MemoryInterpreter:
             self.meter.restore(state)
             return self.trip_by_trip(statement, trips, frame)
         return how
+
+    def counts_vaguely(self, loop: ast.For, frame: Frame, before: Mapping[str, Any]) -> bool:
+        """Whether a loop counts up something that decides, differently from trip to trip."""
+        deciding_names = deciding(self.functions[frame.function])
+        return any(isinstance(v := frame.scope.get(n), Between) and id(loop) in v.loops for n in _stored(loop)
+                   if n in before and n in deciding_names)
 
     def _While(self, statement: ast.While, frame: Frame) -> str:
         if truth(self.expressions.value(statement.test, frame.scope)) is False:
