@@ -104,6 +104,20 @@ def test_check_and_bench_of_loops_that_keep_snapshots(ran, kernel):
     assert status == 1 and "checkpoint names 'm', which is no loop of 'decay'" in err
 
 
+def test_snapshots_in_files_of_a_folder(ran, kernel):
+    """Also of a file that needs NumPy alone."""
+    kernel("def decay(u, steps: int):\n    for k in range(steps):\n        u *= 1.0 - 0.1 * u\n    return u[0]\n")
+    status, text, _ = ran("adjoint", "k.py:decay", "--standalone", "--checkpoint", "k=4@.")
+    assert status == 0 and 'u_snapshots = on_disk(u, min(5, trips), ".")\n' in text
+    space: dict = {}
+    exec(text, space)
+    u_bar = np.zeros(3)
+    space["decay_adjoint"](np.ones(3), u_bar, 9, 1.0)
+    assert u_bar[0] > 0.0 and not u_bar[1:].any()
+    status, _, err = ran("adjoint", "k.py:decay", "--checkpoint", "k=4@")
+    assert status == 2 and "is not LOOP=NUMBER or LOOP=NUMBER@FOLDER" in err
+
+
 def test_the_other_commands_do_not_run_the_file(ran, kernel):
     kernel(SCALE + "raise SystemExit('it was run')\n")
     for command in ("adjoint", "tangent", "explain", "stages"):
