@@ -75,19 +75,19 @@ class Sequence:
         return np.exp(self.normal(mean, sigma, size))
 
     def standard_gamma(self, shape, size=None):
-        return self.filled(lambda state, out: standard_gamma(state, shape, out), size)
+        return self.filled(lambda state, out: standard_gamma(state, shape, out), size_of(size, shape))
 
     def gamma(self, shape, scale=1.0, size=None):
-        return scale * self.standard_gamma(shape, size_of(size, scale))
+        return scale * self.standard_gamma(shape, size_of(size, shape, scale))
 
     def beta(self, a, b, size=None):
-        return self.filled(lambda state, out: beta(state, a, b, out), size)
+        return self.filled(lambda state, out: beta(state, a, b, out), size_of(size, a, b))
 
     def poisson(self, lam=1.0, size=None):
-        return self.counted(lambda state, out: poisson(state, lam, out), size)
+        return self.counted(lambda state, out: poisson(state, lam, out), size_of(size, lam))
 
     def binomial(self, n, p, size=None):
-        return self.counted(lambda state, out: binomial(state, n, p, out), size)
+        return self.counted(lambda state, out: binomial(state, n, p, out), size_of(size, n, p))
 
     def choice(self, a, size=None, replace=True, p=None):
         of = np.asarray(a) if isinstance(a, (list, tuple)) else a
@@ -117,7 +117,8 @@ class Generator(Sequence):
 
     def integers(self, low, high=None, size=None, *, endpoint=False):
         first, end = (0, low) if high is None else (low, high)
-        return self.counted(lambda state, out: integers(state, first, end + int(endpoint), out), size)
+        return self.counted(lambda state, out: integers(state, first, end + int(endpoint), out),
+                            size_of(size, first, end))
 
 
 class RandomState(Sequence):
@@ -141,7 +142,7 @@ class RandomState(Sequence):
 
     def randint(self, low, high=None, size=None):
         first, end = (0, low) if high is None else (low, high)
-        return self.counted(lambda state, out: integers(state, first, end, out), size)
+        return self.counted(lambda state, out: integers(state, first, end, out), size_of(size, first, end))
 
 
 def _registered(function: FunctionType) -> None:

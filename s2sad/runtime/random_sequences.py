@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from operator import index
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ def begin(state, seed):
     >>> bool(np.all(out == np.random.default_rng(3).standard_normal(2)))
     True
     """
-    _leave(state, np.random.default_rng(int(seed)) if state.size == PCG64 else np.random.RandomState(int(seed)))
+    _leave(state, np.random.default_rng(index(seed)) if state.size == PCG64 else np.random.RandomState(index(seed)))
 
 
 class _Generators(threading.local):

@@ -83,6 +83,14 @@ def of_all_kinds(x):
     return total + rng.beta(2.0, 3.0) * x[1] + rng.binomial(5, 0.3) * x[2] + np.sum(rng.normal(x, 0.1 * x) ** 2)
 
 
+def one_for_each_parameter(x):
+    rng, old, n = np.random.default_rng(1), np.random.RandomState(1), np.array([3, 4, 5])
+    total = np.sum(rng.integers(n) * x) + np.sum(rng.integers(n, n + 3, endpoint=True) * x ** 2)
+    total += np.sum(old.randint(0, n) * x) + np.sum(rng.poisson(1.5 * n) * x) + np.sum(rng.binomial(n, 0.4) * x)
+    total += np.sum(rng.beta(1.0 * n, 2.0) * x) + np.sum(rng.standard_gamma(1.0 * n) * x)
+    return total + np.sum(rng.gamma(1.0 * n, x) ** 2) + np.sum(rng.gamma(1.0 * n, x[0]) * x)
+
+
 def paths(x):
     rng = np.random.default_rng(1)
     end = np.zeros(4)
@@ -132,7 +140,7 @@ def of_python(x):
 def cases():
     x = np.array([0.4, 1.2, 0.7])
     for kernel in (of_a_generator, by_a_helper_that_runs_again, while_it_grows, in_an_object, seeded, of_all_kinds,
-                   paths, one_for_each_round):
+                   one_for_each_parameter, paths, one_for_each_round):
         yield Case(kernel, (x,), ("x",), ("return",))
     yield Case(active_shape, (x,), ("x",), refused=(
         "S301 at `rng.gamma(x[0])`: 'standard_gamma' has no adjoint of its own, only its tangent: give it with "
