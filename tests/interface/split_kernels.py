@@ -98,6 +98,14 @@ def narrow(a, x):
     return s
 
 
+def divides(u, dt, n):
+    for k in range(n):
+        rate = 1.0 / dt
+        for i in range(u.size):
+            u[i] = u[i] * 0.5 + k * np.exp(-rate) * u[i]
+    return u[0]
+
+
 def returned(u):
     y = np.exp(u)
     return y, np.sum(y * y)

@@ -13,7 +13,7 @@ from tests import corpus
 from tests.custom.test_user_adjoints import helper, with_halves
 from tests.harness.engines import running
 from tests.harness.split_sweeps import check_split
-from tests.interface.split_kernels import CASES, early, made, nested, returned, squares, step, turned
+from tests.interface.split_kernels import CASES, divides, early, made, nested, returned, squares, step, turned
 
 ENGINES = ("numpy", "numba")
 CORPUS = {name: case for name, case in corpus.cases() if not case.refused}
@@ -35,6 +35,14 @@ def test_sweeps_of_the_corpus_have_the_bits_of_the_joint_adjoint(case, engine):
 def test_sweeps_have_the_bits_of_the_joint_adjoint(kernel, arguments, options, engine):
     with running(engine) as run_under:
         check_split(kernel, arguments, **{"wrt": None, "of": None} | options, engine=run_under)
+
+
+@pytest.mark.parametrize("checkpoint", [None, {"k": 2}])
+def test_both_halves_divide_as_numpy(checkpoint):
+    check_split(divides, (np.ones(2), 0.0, 4), "u", None, "numpy", checkpoint)
+    f = s2sad.differentiate(divides, wrt="u", engine="numpy", checkpoint=checkpoint)
+    f.adjoint(np.ones(2), u_bar := np.zeros(2), 0.0, 4, 1.0)
+    assert u_bar.tolist() == [0.0625, 0.0]
 
 
 @pytest.mark.parametrize("number", [0, 4, 12, 14, 19])
