@@ -96,7 +96,9 @@ class Sequence:
             found = self.counted(lambda state, out: choice(state, n, replace, out), size)
         else:
             found = self.counted(lambda state, out: weighted_choice(state, np.asarray(p), replace, out), size)
-        return of[found] if isinstance(of, np.ndarray) else found
+        if not isinstance(of, np.ndarray):
+            return found
+        return of.copy()[found] if size is None and of.ndim > 1 else of[found]      # a row of its own
 
     def permutation(self, x):
         of = np.asarray(x) if isinstance(x, (list, tuple)) else x

@@ -91,6 +91,12 @@ def one_for_each_parameter(x):
     return total + np.sum(rng.gamma(1.0 * n, x) ** 2) + np.sum(rng.gamma(1.0 * n, x[0]) * x)
 
 
+def row_of_its_own(x):
+    row = np.random.default_rng(1).choice(x)
+    row *= 2.0
+    return np.sum(x ** 2) + np.sum(row ** 3)
+
+
 def paths(x):
     rng = np.random.default_rng(1)
     end = np.zeros(4)
@@ -142,6 +148,7 @@ def cases():
     for kernel in (of_a_generator, by_a_helper_that_runs_again, while_it_grows, in_an_object, seeded, of_all_kinds,
                    one_for_each_parameter, paths, one_for_each_round):
         yield Case(kernel, (x,), ("x",), ("return",))
+    yield Case(row_of_its_own, (np.outer(x, x[:2]),), ("x",), ("return",))
     yield Case(active_shape, (x,), ("x",), refused=(
         "S301 at `rng.gamma(x[0])`: 'standard_gamma' has no adjoint of its own, only its tangent: give it with "
         "s2sad.rule, whose docstring says what it takes and returns"))
