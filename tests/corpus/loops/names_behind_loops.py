@@ -99,7 +99,23 @@ def otherwise(x, n):
     return s * x[k]
 
 
+def without_a_round(x, n):
+    i, v, s = 2, x[0], 1.0
+    for i, v in enumerate(x[:n]):
+        s += v * (i + 1)
+    while s < 9.0:
+        s = s * 1.5
+        if s > x[3] * 8.0:
+            s += x[2]
+            break
+    else:
+        s *= x[1]
+    return s * x[i] * v
+
+
 def cases():
+    for n in (0, 1, 3):
+        yield Case(without_a_round, (X, n), ("x",))
     for kernel in (counter, computed, combined, generated, left, bound_where_it_is_left, otherwise):
         for n in (2, 3, 4):
             yield Case(kernel, (X, n), ("x",))
