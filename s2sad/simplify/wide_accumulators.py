@@ -236,7 +236,7 @@ def wide_numbers(function: FunctionDef, context: DerivativeContext) -> FunctionD
     start = next((k for k, s in enumerate(function.body) if isinstance(getattr(s, "value", None), Constant)
                   and s.value.value == REVERSE), len(function.body))
     added = {n for s in function.body[start:] for loop in walk_statements(s) if isinstance(loop, (For, While))
-             for n in _accumulators(loop) if n not in own}
+             for n in _accumulators(loop) if n not in own and not context.typing.table[n].is_integer}
     if not added:
         return function
 

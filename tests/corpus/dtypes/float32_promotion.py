@@ -21,7 +21,17 @@ def edges_from_an_end(a, p):
     return np.histogram(a, bins=2, range=(p[0], 3))[1]
 
 
+def run_again(m, total, n):
+    # the stack of an inner loop that runs again in the reverse sweep is counted by an integer
+    for _i in range(4):
+        for j in range(0, n, 2):
+            m[...] -= np.float32(0.3) * (m - np.tanh(m))
+            total[j % 2] += np.tanh(m[j % 3]) * total[1]
+    return np.sum(total)
+
+
 def cases():
+    yield Case(run_again, (A, np.ones(2, np.float32), 5), ("m", "total"), ("return",))
     # a function that is given a number of NumPy's
     yield Case(given_an_element, (A, P), ("a",))
     # edges in a precision that is not known

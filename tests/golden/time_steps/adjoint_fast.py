@@ -13,7 +13,7 @@ It records:
         bytes
 """
 
-# ruff: noqa: PLR1716, PLR1730, RUF059, SIM113, RUF100
+# ruff: noqa: PLR1716, PLR1730, RUF059, RUF100
 
 import numpy as np
 
@@ -77,24 +77,23 @@ def kernel_k_loop_forward(n, u, v, c, energy):
 def kernel_k_loop_adjoint(n, u, u_bar, v, v_bar, c, c_bar, energy, energy_bar, kept):
     """Adjoint of kernel_k_loop: d(u, v, return) / d(u, v, c)."""
     held, count, trips, u_snapshots = kept
+    u_again = np.empty_like(u)
     for k in range(trips - 1, -1, -1):
         # the state before this step, by the steps from the last one that is kept
-        if held[count - 1] < k:
-            following = revolve(held[count - 1], k + 1, 3 - count)
-            u_snapshots[count] = u_snapshots[count - 1]
-            for again in range(held[count - 1], k):
-                if again == following:
-                    held[count] = again
-                    count += 1
-                    u_snapshots[count] = u_snapshots[count - 1]
-                    following = revolve(again, k + 1, 3 - count)
-                energy = kernel_k_step(again, u_snapshots[count], v, c, energy)
-            held[count] = k
-            count += 1
+        u_again[:] = u_snapshots[count - 1]
+        following = revolve(held[count - 1], k + 1, 3 - count)
+        for again in range(held[count - 1], k):
+            if again == following:
+                held[count] = again
+                u_snapshots[count] = u_again
+                count += 1
+                following = revolve(again, k + 1, 3 - count)
+            energy = kernel_k_step(again, u_again, v, c, energy)
         c_bar, energy_bar = kernel_k_step_adjoint(
-            k, u_snapshots[count - 1], u_bar, v, v_bar, c, c_bar, energy, 0.0, energy_bar
+            k, u_again, u_bar, v, v_bar, c, c_bar, energy, 0.0, energy_bar
         )
-        count -= 1
+        if held[count - 1] == k:
+            count -= 1
     return (c_bar,)
 
 
