@@ -31,7 +31,7 @@ from s2sad.infer.types import Type
 from s2sad.program import (
     EntrySummary, Generated, Kernel, Parameter, Request, Schedule, Snapshots, SourcePlace, TextGuard,
 )
-from s2sad.live_objects.registry import GIVEN
+from s2sad.live_objects.registry import GIVEN, is_of_package
 from s2sad.run import store
 from s2sad.pytree import PyTree
 from s2sad.live_objects.code_text import text_of
@@ -352,7 +352,8 @@ def _package_files() -> list[tuple[str, int, int]]:
 def _surroundings() -> str:
     """All that a text depends on beside what the function reads: versions, and functions that have a derivative of the
     user's own."""
-    return f"{_package()} {_installed('numba')} {_installed('scipy')} {sorted(GIVEN.by_path)}"
+    own = sorted(p for p in GIVEN.by_path if not is_of_package(p))
+    return f"{_package()} {_installed('numba')} {_installed('scipy')} {own}"
 
 
 @cache

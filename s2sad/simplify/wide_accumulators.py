@@ -236,7 +236,7 @@ def wide_numbers(function: FunctionDef, context: DerivativeContext) -> FunctionD
     start = next((k for k, s in enumerate(function.body) if isinstance(getattr(s, "value", None), Constant)
                   and s.value.value == REVERSE), len(function.body))
     added = {n for s in function.body[start:] for loop in walk_statements(s) if isinstance(loop, (For, While))
-             for n in _accumulators(loop) if n not in own and not context.typing.table[n].is_integer}
+             for n in _accumulators(loop) if n not in own and not _is_counter(n, context.typing)}
     if not added:
         return function
 
@@ -248,6 +248,11 @@ def wide_numbers(function: FunctionDef, context: DerivativeContext) -> FunctionD
     new = copy(function)
     new.body = [*new.body[:start], *(rebuild(s, change) for s in new.body[start:])]
     return new
+
+
+def _is_counter(number: str, typing: Typing) -> bool:
+    """Whether a number is an integer; a name that simplification has made is that of a gain."""
+    return number in typing.table and typing.table[number].is_integer
 
 
 def _accumulators(loop: AST) -> set[str]:

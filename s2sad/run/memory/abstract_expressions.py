@@ -196,4 +196,6 @@ def either(first: Any, second: Any) -> Any:
         return tuple(map(either, first, second))
     if first is None or second is None or isinstance(first, Array) or isinstance(second, Array):
         return first if isinstance(first, Array) or second is None else second
+    if isinstance(first, np.ndarray) and isinstance(second, np.ndarray):
+        return first if first.nbytes >= second.nbytes else second
     return first if type(first) is type(second) and first == second else joined(first, second)
