@@ -28,7 +28,8 @@ def used(space: Mapping[str, Any]) -> list[str]:
     if special is None:
         return []
     functions = [v for v in space.values() if isinstance(v, FunctionType)]
-    attributes = {n for f in functions for n in f.__code__.co_names} if special in space.values() else set()
+    is_there = any(v is special for v in space.values())       # `in` would ask arrays whether they are equal
+    attributes = {n for f in functions for n in f.__code__.co_names} if is_there else set()
     imported = {v.__name__ for v in space.values() if isinstance(v, np.ufunc)}
     return sorted(n for n in attributes | imported if isinstance(getattr(special, n, None), np.ufunc))
 

@@ -13,6 +13,7 @@ import pytest
 from s2sad.diagnostics import S2sadError
 from s2sad.run import compiled as engine
 from s2sad.run.module_loader import load
+from s2sad.run.special_functions import used
 from s2sad.run.overlap import Check, Slot, overlap
 
 TEXT = "def double(x):\n    return 2.0 * x\n"
@@ -28,6 +29,16 @@ def cache(tmp_path, monkeypatch):
 
 def forget(module):
     del sys.modules[module.__name__]
+
+
+def test_special_functions_are_found_beside_arrays():
+    """Whatever else the process has imported: an array of the module is not compared with SciPy's."""
+    import scipy.special
+
+    def called(x):
+        return special.j0(x)  # noqa: F821
+    assert used({"TABLE": np.arange(3.0), "special": scipy.special, "called": called}) == ["j0"]
+    assert used({"TABLE": np.arange(3.0), "called": called}) == []
 
 
 def test_text_becomes_a_module_with_a_real_file(cache):
