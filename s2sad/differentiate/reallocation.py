@@ -47,8 +47,8 @@ def pop_sizes(statement: Assign, tape: Tape) -> list[AST]:
 
 def _stacks(statement: Assign, tape: Tape) -> list[Stack]:
     array = statement.targets[0].id
-    loops = tape.structure.place(statement).loops
-    return [tape.stack(f"size {id(statement)} {axis}", f"{array}_size", INT, loops, None)
+    inside = tape.structure.place(statement).inside
+    return [tape.stack(f"size {id(statement)} {axis}", f"{array}_size", INT, inside, None)
             for axis in range(tape.typing.table[array].rank)]
 
 

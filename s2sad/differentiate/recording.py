@@ -57,7 +57,7 @@ class Recording:
 
     def store_stack(self, store: Store) -> Stack:
         kept = self.snapshot(store)
-        return self.tape.content_stack(store.key, kept, self.structure.place(store.statement).loops,
+        return self.tape.content_stack(store.key, kept, self.structure.place(store.statement).inside,
                                      self.shape_of(kept) if self.typing.of(kept).is_array else None)
 
     def restore(self, store: Store) -> list[AST]:
@@ -70,22 +70,22 @@ class Recording:
         return copy(kept.value) if whole else copy(kept)
 
     def value_stack(self, key: str, value: ReverseValue) -> Stack:
-        loops = self.structure.place(value.home).loops
+        inside = self.structure.place(value.home).inside
         if value.kind == "carried":
-            loops = (*loops, value.home)
+            inside = (*inside, value.home)
         base = self.family.get(value.name, value.name)
-        return self.tape.stack(key, base, self.typing.table[value.name], loops, None, value.kind == "carried")
+        return self.tape.stack(key, base, self.typing.table[value.name], inside, None, value.kind == "carried")
 
     def snapshots_of(self, loop: AST) -> list[Snapshot]:
         return [s for s in self.plan.snapshots if s.loop is loop]
 
     def snapshot_stack(self, snapshot: Snapshot) -> Stack:
-        loops = (*self.structure.place(snapshot.loop).loops, snapshot.loop)
+        inside = (*self.structure.place(snapshot.loop).inside, snapshot.loop)
         array = name(snapshot.array)
-        return self.tape.stack(snapshot.key, snapshot.array, self.typing.of(array), loops, self.shape_of(array), True)
+        return self.tape.stack(snapshot.key, snapshot.array, self.typing.of(array), inside, self.shape_of(array), True)
 
     def trip_stack(self, loop: AST) -> Stack:
-        return self.tape.stack(f"trips {id(loop)}", "trips", INT, self.structure.place(loop).loops, None)
+        return self.tape.stack(f"trips {id(loop)}", "trips", INT, self.structure.place(loop).inside, None)
 
 
 def whole_place(place: AST) -> AST:

@@ -89,7 +89,8 @@ class Sweeps(Recording):
         body = [*carried, *body]
         made = For(loop.target, copy(loop.iter), body, [], None) if isinstance(loop, For) else \
             While(copy(loop.test), body, [])
-        return [*self.tape.allocations.pop(id(loop), []), *before, made, *after]
+        grown, advanced = self.tape.reserve(loop)
+        return [*self.tape.allocations.pop(id(loop), []), *grown, *before, made, *advanced, *after]
 
     def records(self, statement: AST) -> list[AST]:
         """The pushes of the names that a statement has just bound."""
@@ -205,6 +206,7 @@ class Sweeps(Recording):
         before: list[AST] = []
         rerun = id(loop) in self.plan.rerun
         body = self.reverse(loop.body, loop)
+        before += self.tape.release(loop)
         if rerun:
             saved = [s for snapshot in self.snapshots_of(loop) for s in self.tape.read(
                 self.snapshot_stack(snapshot), index(name(snapshot.array), const(...)))]
@@ -218,8 +220,7 @@ class Sweeps(Recording):
             return [*before, self.reverse_while(loop, body)]
         assert isinstance(loop, For)
         trips = name(self.counting.count(loop)) if self.counting.is_counted_at_run_time(loop) else None
-        forwards = id(loop) in self.plan.forwards and not any(
-            stack.top and any(x is loop for x in stack.loops) for stack in self.tape.stacks.values())
+        forwards = id(loop) in self.plan.forwards and not self.tape.runs_backwards(loop)
         bounds = list(map(copy, loop.iter.args)) if forwards else reversed_bounds(loop, trips)
         return [*before, counted_for(loop.target.id, bounds, body), *self.restore_snapshots(loop)]
 

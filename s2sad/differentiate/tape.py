@@ -10,6 +10,8 @@ iteration, inside several by an integer of its own.
                                                                x_stack[trips] = x
                                                                ...
                                                                trips += 1
+
+Room for what innermost loops push is made in front of them where their trips are known there (`stack_reservation`).
 """
 from __future__ import annotations
 
@@ -21,12 +23,13 @@ from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.trip_counts import counter, invariant_trip_counts
 from s2sad.differentiate.trip_counters import TripCounters
 from s2sad.differentiate.ragged_stacks import RecordedRegion, push_region, pop_region
+from s2sad.differentiate.stack_reservation import Reservation, reservation
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import INT, UNKNOWN, Type, array
 from s2sad.naming import Names
 from s2sad.tree import (
-    AST, Add, BinOp, Constant, Gt, IfExp, Name, Sub, Subscript, assign, augment, call, compare, const, copy, index,
-    indices, name, sub, tuple_of,
+    AST, Add, BinOp, Constant, For, Gt, IfExp, Name, Sub, Subscript, While, add, assign, augment, call, compare, const,
+    copy, index, indices, name, sub, tuple_of,
 )
 
 _FIRST = 64
@@ -37,7 +40,7 @@ class Stack:
     """One stack: its array, what indexes it where it is popped (`counters`) and pushed (`pushed`, if that differs) or
     else the integer that does (`top`), and for reports what lies in one entry (`kind`, an array type with its `shape`)
     and how many entries each loop makes (`sizes`; none known if it grows). A `ragged` stack has the elements of arrays
-    of several sizes one after the other."""
+    of several sizes one after the other; one with a `reservation` grows in front of these loops."""
     array: str
     top: str = ""
     loops: tuple[AST, ...] = ()
@@ -48,6 +51,7 @@ class Stack:
     shape: AST | None = None
     sizes: tuple[AST, ...] = ()
     ragged: bool = False
+    reservation: Reservation | None = None
 
 
 @dataclass
@@ -61,22 +65,22 @@ class Tape:
     stacks: dict[str, Stack] = field(default_factory=dict)
     allocations: dict[int, list[AST]] = field(default_factory=dict)
 
-    def stack(self, key: str, base: str, kind: Type, loops: tuple[AST, ...], shape: AST | None,
+    def stack(self, key: str, base: str, kind: Type, inside: tuple[AST, ...], shape: AST | None,
               carried: bool = False) -> Stack:
-        """The stack of a value of type `kind` (an array type with its `shape`) pushed inside `loops`, a `carried` one
-        where an iteration begins."""
+        """The stack of a value of type `kind` (an array type with its `shape`) pushed inside these loops and branches,
+        a `carried` one where an iteration begins."""
         if key not in self.stacks:
-            self.stacks[key] = self._make(base, kind, loops, shape, carried)
+            self.stacks[key] = self._make(base, kind, inside, shape, carried)
         return self.stacks[key]
 
-    def content_stack(self, key: str, place: AST, loops: tuple[AST, ...], shape: AST | None) -> Stack:
-        """The stack of the content that a store inside `loops` overwrites: an element, or a region of this shape."""
+    def content_stack(self, key: str, place: AST, inside: tuple[AST, ...], shape: AST | None) -> Stack:
+        """The stack of the content that a store overwrites: an element, or a region of this shape."""
         kind, array = self.typing.of(place), base_name(place)
-        inner, home = self._homes(loops, carried=False)
+        inner, home = self._homes(_loops(inside), carried=False)
         if not kind.is_array or not inner or not is_reallocated(self.structure, array, home[0]):
-            return self.stack(key, array, kind, loops, shape)
+            return self.stack(key, array, kind, inside, shape)
         if key not in self.stacks:
-            self.stacks[key] = self._make(array, Type("number", kind.dtype), loops, None, ragged=True)
+            self.stacks[key] = self._make(array, Type("number", kind.dtype), inside, None, ragged=True)
             self.stacks[key].shape = shape
         return self.stacks[key]
 
@@ -86,9 +90,9 @@ class Tape:
         again = [k for k, loop in enumerate(loops[:-1] if carried else loops) if id(loop) in self.rerun]
         return loops[again[-1] + 1 if again else 0:], loops[again[0] if again else 0:][:1]
 
-    def _make(self, base: str, kind: Type, loops: tuple[AST, ...], shape: AST | None, carried: bool = False,
+    def _make(self, base: str, kind: Type, inside: tuple[AST, ...], shape: AST | None, carried: bool = False,
               ragged: bool = False) -> Stack:
-        inner, home = self._homes(loops, carried)
+        inner, home = self._homes(_loops(inside), carried)
         made = Stack(self.free.fresh(f"{base}_stack" if inner else f"{base}_before"), loops=inner, kind=kind,
                      shape=shape, ragged=ragged)
         if not inner:
@@ -100,6 +104,8 @@ class Tape:
             made.sizes = tuple(sizes)
             allocated = [self._allocate(made.array, kind, sizes, shape)]
         else:
+            if not ragged and not any(id(loop) in self.rerun for loop in inner):
+                made.reservation = reservation(self.structure, inside, inner)
             allocated = [self._allocate(made.array, kind, [const(_FIRST)], shape),
                          *self._growing(made, base, carried)]
         self.typing.declare(made.array, array(kind.dtype, kind.rank + max(1, len(made.counters))))
@@ -109,6 +115,9 @@ class Tape:
     def _growing(self, made: Stack, base: str, carried: bool) -> list[AST]:
         """Sets what indexes a stack that grows; the statements that begin it."""
         made.grows = True
+        if made.reservation is not None and len(made.reservation.loops) == len(made.loops):
+            made.counters = (made.reservation.offset(),)
+            return []
         single = len(made.loops) == 1 and not made.ragged
         found = self.counting.iteration(made.loops[0], carried) if single else None
         if found is not None:
@@ -134,7 +143,7 @@ class Tape:
         if not stack.counters and not stack.top:
             return [assign(stack.array, call("numpy.copy", value) if whole else value)]
         place = name(stack.top) if stack.top else stack.pushed
-        if place is None:
+        if place is None or stack.reservation is not None:
             return [assign(self.cell(stack), value)]
         return [assign(stack.array, call("runtime.grow", name(stack.array), copy(place))),
                 assign(index(name(stack.array), copy(place)), value),
@@ -149,12 +158,34 @@ class Tape:
     def cell(self, stack: Stack) -> AST:
         if not stack.counters and not stack.top:
             return name(stack.array)
-        return index(name(stack.array), *(map(copy, stack.counters) if stack.counters else [name(stack.top)]))
+        top = add(name(stack.top), stack.reservation.offset()) if stack.reservation else name(stack.top)
+        return index(name(stack.array), *(map(copy, stack.counters) if stack.counters else [top]))
 
     def pop(self, stack: Stack, target: AST) -> list[AST]:
         entry: AST = self.region(target).size if stack.ragged else const(1)
-        made: list[AST] = [augment(stack.top, Sub(), entry)] if stack.top else []
+        made: list[AST] = [augment(stack.top, Sub(), entry)] if stack.top and stack.reservation is None else []
         return [*made, *self.read(stack, target)]
+
+    def reserved_in_front(self, loop: AST) -> list[tuple[Stack, Reservation]]:
+        """The stacks that get room for their entries in front of a loop."""
+        return [(s, s.reservation) for s in self.stacks.values()
+                if s.reservation is not None and s.reservation.loops[0] is loop]
+
+    def reserve(self, loop: AST) -> tuple[list[AST], list[AST]]:
+        """What stands in front of a loop and behind it in the forward sweep, for the stacks that have room for all of
+        its entries."""
+        found = self.reserved_in_front(loop)
+        return ([assign(s.array, call("runtime.grow", name(s.array), r.last(name(s.top) if s.top else None)))
+                 for s, r in found], [augment(s.top, Add(), r.entries) for s, r in found if s.top])
+
+    def release(self, loop: AST) -> list[AST]:
+        """What stands in front of a loop in the reverse sweep."""
+        return [augment(s.top, Sub(), r.entries) for s, r in self.reserved_in_front(loop) if s.top]
+
+    def runs_backwards(self, loop: AST) -> bool:
+        """Whether the reverse sweep has to pop the entries of a loop from the last one on."""
+        return any(s.top and any(x is loop for x in s.loops) and not (
+            s.reservation and any(x is loop for x in s.reservation.loops)) for s in self.stacks.values())
 
     def read(self, stack: Stack, target: AST) -> list[AST]:
         """The last entry into the target, left where it is."""
@@ -168,6 +199,10 @@ class Tape:
         counters = [self.typing.declare(self.free.fresh(c), INT)
                     for c in ("i", "j", "k", "l", "m", "o")[:self.typing.of(place).rank]]
         return RecordedRegion(base, tuple(kept), tuple(counters))
+
+
+def _loops(inside: tuple[AST, ...]) -> tuple[AST, ...]:
+    return tuple(s for s in inside if isinstance(s, (For, While)))
 
 
 def explicit_subscripts(place: Subscript) -> list[AST]:

@@ -30,8 +30,8 @@ def kernel_adjoint(x, x_bar, result_bar):
     part_stack = np.empty(64)
     for i in range(x.size - 1, -1, -1):
         part = x[i]
+        part_stack = grow(part_stack, len(range(i + 1)) - 1)
         for _ in range(i + 1):
-            part_stack = grow(part_stack, _)
             part_stack[_] = part
             part = part * np.cos(part)
         total = total_stack[i]

@@ -33,8 +33,8 @@ def kernel_adjoint_taped(x, x_bar, result_bar, total_stack, part_stack):
     part_stack = sized(part_stack, (max(64, part_stack.shape[0]),))
     for i in range(x.size - 1, -1, -1):
         part = x[i]
+        part_stack = grow(part_stack, len(range(i + 1)) - 1)
         for _ in range(i + 1):
-            part_stack = grow(part_stack, _)
             part_stack[_] = part
             part = part * math.cos(part)
         total = total_stack[i]
