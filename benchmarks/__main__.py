@@ -15,6 +15,7 @@ from benchmarks.peers import gradbench
 from benchmarks.peers.__main__ import main as peers
 from benchmarks.peers.machine import processor
 from benchmarks.published import section as published
+from benchmarks.published.cases import CASES as PUBLISHED
 from benchmarks.robustness.__main__ import main as robustness
 from benchmarks.tables import Table, show
 from s2sad.report.timing import on_one_core
@@ -42,7 +43,7 @@ def _documents() -> dict[str, Callable[[list[str]], int]]:
 
 
 def main() -> int:
-    """Runs the parts that are named, all without a name; a kernel's name means its line of `ratios`."""
+    """Runs the parts that are named, all without a name; a kernel's name means its line of `ratios` or `published`."""
     named, rest = sys.argv[1:2], sys.argv[2:]
     if named == ["documents"]:
         return max(document(rest) for document in _documents().values())
@@ -50,20 +51,22 @@ def main() -> int:
         return documents[named[0]](rest)
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__, epilog="parts: " + "; ".join(
         f"{name}: {text}" for name, (_, text) in PARTS.items()))
-    parser.add_argument("names", nargs="*", help="parts, or kernels of the part 'ratios' (default: every part)")
+    parser.add_argument("names", nargs="*", help="parts, or kernels of the parts 'ratios' and 'published' (default: every part)")
     parser.add_argument("--quick", action="store_true", help="few rounds: to see that it works")
     options = parser.parse_args()
     kernels = [n for n in options.names if n not in PARTS]
-    unknown = [n for n in kernels if n not in ratios.TARGETS]
+    of_part = {"ratios": [n for n in kernels if n in ratios.TARGETS],
+               "published": [n for n in kernels if n in PUBLISHED]}
+    unknown = [n for n in kernels if not any(n in names for names in of_part.values())]
     if unknown:
         parser.error(f"unknown: {', '.join(unknown)}; parts are {', '.join(PARTS)}; "
-                     f"kernels are {', '.join(ratios.TARGETS)}")
-    chosen = [n for n in PARTS if n in options.names or (n == "ratios" and kernels)] if options.names else list(PARTS)
+                     f"kernels are {', '.join([*ratios.TARGETS, *PUBLISHED])}")
+    chosen = [n for n in PARTS if n in options.names or of_part.get(n)] if options.names else list(PARTS)
     with on_one_core() as pinned:
         print(f"{processor()}, Python {platform.python_version()}, one thread{pinned}, "
               "medians of interleaved rounds\n")
         for name in chosen:
-            for table in PARTS[name][0](options.quick, kernels):
+            for table in PARTS[name][0](options.quick, of_part.get(name, kernels)):
                 show(table)
                 sys.stdout.flush()
     return 0

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from statistics import geometric_mean
 from time import perf_counter
@@ -27,10 +27,11 @@ _AT_ONCE = 20.0                     # seconds that the last kernel and the docum
 
 # -- measuring ------------------------------------------------------------------------------------------------------
 
-def measure(quick: bool) -> dict[str, Any]:
-    """What was found of each kernel, by name; a kernel that takes too long or kills its process costs its line."""
+def measure(quick: bool, kernels: Sequence[str] = ()) -> dict[str, Any]:
+    """What was found of each kernel, or of those that are named; one that takes too long or kills its process costs its
+    line."""
     end = perf_counter() + 60.0 * MINUTES - _AT_ONCE
-    waiting, found = list(QUICK if quick else CASES), {}
+    waiting, found = list(kernels or (QUICK if quick else CASES)), {}
     while waiting and perf_counter() < end:
         for name, line in worked("0.2" if quick else "1.0", list(waiting), end):
             found[name] = line
@@ -178,7 +179,7 @@ def _others(kernels: dict[str, Any], jax: bool) -> list[str]:
 
 def tables(quick: bool, kernels: list[str]) -> list[Table]:
     """The chapter's tables, for `python -m benchmarks published`."""
-    chapter = render(measure(quick))
+    chapter = render(measure(quick, kernels))
     found = [part for part in chapter.body if isinstance(part, Table)]
     found[0].notes += [part for part in [*chapter.summary, *chapter.body] if isinstance(part, str)]
     return found
