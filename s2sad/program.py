@@ -170,13 +170,20 @@ Checkpoints = tuple[tuple[str, Snapshots], ...]     # loops as the user calls th
 
 
 @dataclass(frozen=True)
+class MemoryLimit:
+    """The bytes that a call may take beside its arguments, within which loops and their snapshots are chosen, once
+    sizes are known."""
+    bytes: int
+
+
+@dataclass(frozen=True)
 class Request:
     """A derivative to be made: `mode` is "adjoint", "tangent" or "primal"; types by position.
 
     `wrt` and `of` are names of parameters; `of` may hold "return". `engine` is "numpy" or "numba", `level`
     "plain" or "fast". `with_primal` also returns the primal's result. `assumed` has a reason for every parameter whose
-    type is an assumption; `checkpoint` has the loops that keep snapshots. With `split` the two
-    sweeps of the adjoint are two functions.
+    type is an assumption; `checkpoint` has the loops that keep snapshots, or a limit by which they are chosen for each
+    call. With `split` the two sweeps of the adjoint are two functions.
     """
     mode: str
     types: tuple[Type, ...]
@@ -187,7 +194,7 @@ class Request:
     with_primal: bool = False
     standalone: bool = False
     assumed: tuple[tuple[str, str], ...] = ()
-    checkpoint: Checkpoints = ()
+    checkpoint: Checkpoints | MemoryLimit = ()
     split: bool = False
 
 

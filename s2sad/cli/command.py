@@ -19,9 +19,10 @@ from s2sad.cli.parser import COMMANDS, RUNNING, command_parser
 from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.assumed_types import Assumed
+from s2sad.interface.checkpoint_argument import checkpoints_of
 from s2sad.interface.pytrees.file_programs import Said, file_program, flat_spelled
 from s2sad.interface.pytrees.spelled_types import flat_names, parse_form, split_list
-from s2sad.program import Checkpoints, Fact, Program, Request, Snapshots
+from s2sad.program import Checkpoints, Fact, MemoryLimit, Program, Request, Snapshots
 from s2sad.report.argument_literals import evaluate_arguments, flat_values, form_of_literal
 from s2sad.report.bench import bench
 from s2sad.report.cache_contents import clear_cache, describe_cache
@@ -35,7 +36,7 @@ from s2sad.run import store
 from s2sad.run.compiled import chosen
 from s2sad.pytree import Form
 from s2sad.run.tracebacks import internal
-from s2sad.interface.selection import checkpoints_of, selected_of, selected_wrt
+from s2sad.interface.selection import selected_of, selected_wrt
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -197,9 +198,11 @@ def _listed(names: str | None) -> tuple[str, ...] | None:
     return None if names is None else tuple(n.strip() for n in names.split(",") if n.strip())
 
 
-def _checkpoint_option(parser: argparse.ArgumentParser, text: str | None) -> Checkpoints:
-    """What `--checkpoint "k=20, advance.k=10@/scratch"` says."""
+def _checkpoint_option(parser: argparse.ArgumentParser, text: str | None) -> Checkpoints | MemoryLimit:
+    """What `--checkpoint "k=20, advance.k=10@/scratch"` says, or `"1 GB"`."""
     found = {}
+    if text is not None and "=" not in text and text.strip()[:1].isdecimal():
+        return checkpoints_of(int(text) if text.strip().isdecimal() else text)
     for part in _listed(text) or ():
         loop, sign, snapshots = part.partition("=")
         count, disk, folder = snapshots.partition("@")

@@ -91,7 +91,9 @@ def _add_options(parser: argparse.ArgumentParser, command: str) -> None:
                             "tape, and the reverse sweep, which takes it")
     if command in ("adjoint", "explain", "stages", *RUNNING):
         parser.add_argument("--checkpoint", metavar="K=20", help='loops that keep snapshots in place of a tape, and '
-                            'how many: "k=20, advance.k=10, line 14=20"; in files of a folder: "k=20@/scratch"')
+                            'how many: "k=20, advance.k=10, line 14=20"; in files of a folder: '
+                            '"k=20@/scratch"; or a limit, "1 GB", where sizes are known: check, bench, explain '
+                            "--arguments")
     if command in ("adjoint", "tangent", "stages"):
         parser.add_argument("--standalone", action="store_true", help="write a file that needs NumPy alone")
     if command == "explain":

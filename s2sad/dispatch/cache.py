@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from types import FunctionType, MappingProxyType
 from typing import Any, Protocol, runtime_checkable
 
@@ -19,11 +20,12 @@ from s2sad.run.compiler_lock import COMPILER_LOCK
 from s2sad.dispatch.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError, WaitingForFacts
 from s2sad.dispatch.executable import HIDDEN, Executable
+from s2sad.dispatch.limited_memory import LimitedMemory
 from s2sad.dispatch.split_executable import SplitExecutable
 from s2sad.live_objects.guards import Guards, Path, VaryingNumber, current, recording
 from s2sad.infer.types import Type
 from s2sad.live_objects.unwrap import by_position, python_function
-from s2sad.program import EntrySummary, Program, Request
+from s2sad.program import EntrySummary, MemoryLimit, Program, Request
 from s2sad.run.progress import Working
 from s2sad.live_objects.registry import GIVEN, RegisteredRule
 from s2sad.run.compiled import chosen, compiled, interpreting, prepare, quiet
@@ -259,21 +261,26 @@ class ProgramVersion:
         if engine == "auto":
             interpreting()
         engine = chosen(engine)
-        key = (request, engine)
+        key, checkpoint = (request, engine), request.checkpoint
         if engine == "numba":
             self.check_frozen_arrays()
         with COMPILER_LOCK:
             if key not in self._variants:
                 request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
-                                  request.with_primal, checkpoint=request.checkpoint, split=request.split)
+                                  request.with_primal, split=request.split,
+                                  checkpoint=() if isinstance(checkpoint, MemoryLimit) else checkpoint)
                 generated = artifacts.load_generated(self.reading.address, request)
                 if generated is None:
                     with Working(f"deriving the {request.mode} of '{self.kernel.name}'"):
                         generated = compiler().derived(self.program, request, self._forms)
                     artifacts.store_generated(self._address, request, generated)
                 loaded = SplitExecutable if request.split else Executable
-                self._variants[key] = loaded(generated, engine, self.summary(request.types), self.kernel.name,
-                                             self.registered, self.function)
+                summary = self.summary(request.types)
+                made = self._variants[key] = loaded(generated, engine, summary, self.kernel.name, self.registered,
+                                                    self.function)
+                if isinstance(checkpoint, MemoryLimit):
+                    made.limited = LimitedMemory(checkpoint, self.kernel.name, summary.written,
+                                                 lambda loops: self.variant(replace(key[0], checkpoint=loops), engine))
             return self._variants[key]
 
     def check_frozen_arrays(self) -> None:

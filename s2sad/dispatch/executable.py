@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from s2sad.dispatch.deferred import compiler
+from s2sad.dispatch.limited_memory import LimitedMemory
 from s2sad.dispatch.memory_check import MemoryCheck
 from s2sad.dispatch.tape_reuse import TapeReuse
 from s2sad.infer.types import Type
@@ -63,7 +64,9 @@ class OnDisk:
 
 
 class Executable:
-    """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked."""
+    """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked. One with
+    `limited` memory has calls run by others, which keep snapshots."""
+    limited: LimitedMemory | None = None
 
     def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
                  registered: tuple[RegisteredRule, ...] = (), function: FunctionType | None = None):
@@ -84,10 +87,10 @@ class Executable:
         self.module = module
         self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
         self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)
-        self.function: Callable[..., Any] = (
-            TapeReuse(self.dispatcher, self._first, function) if stacks else
+        self._reuse = TapeReuse(self.dispatcher, self._first, function) if stacks else None
+        self.function: Callable[..., Any] = self.in_folders(
+            self._reuse if self._reuse is not None else
             without_warnings(self.dispatcher) if engine == "numpy" else self.dispatcher)
-        self.function = self.in_folders(self.function)
         self.check_memory = MemoryCheck(generated, kernel, summary.written) if any(
             a.place is not None for a in generated.facts.get("recorded", ())) else _fits
         self.shadows = {p.primal: p for p in self.parameters if p.role == "shadow"}
@@ -143,9 +146,36 @@ class Executable:
         shared = self.check(self._pick(arguments))
         return tuple(self.array_places[k] for k in shared)
 
+    def for_call(self, arguments: list[Any] | tuple[Any, ...], copies: int = 0) -> Executable:
+        """What runs a call whose caller makes `copies`; raises S2sadError where the memory cannot be had."""
+        found = self
+        if self.limited is not None:
+            taken = self.generated.facts.get("taken", self.parameters)
+            values = {p.name: a for p, a in zip(taken, arguments) if p.role == "primal"}
+            found = self.limited.executable(arguments, values, copies)
+        found.check_memory(arguments)
+        return found
+
+    @property
+    def kept_bytes(self) -> int:
+        """The bytes of the tape that is kept for the next call of this thread."""
+        return 0 if self._reuse is None else self._reuse.stack_bytes
+
+    def forget_tape(self) -> None:
+        """Keeps none of this thread any more."""
+        if self._reuse is not None:
+            self._reuse.kept().drop()
+
     def memory(self, values: Mapping[str, Any], copies: int = 0) -> Memory:
         """What a call takes for these values of the kernel's parameters by name, of which the caller makes `copies`."""
+        if self.limited is not None:
+            plan = self.limited.plan(values, copies)
+            return memory_of(plan.generated, plan.found, copies)
         return memory_of(self.generated, footprint_of(self.generated, values, self._written), copies)
+
+    def prepare_call(self, arguments: Sequence[Any]) -> None:
+        """Compiles what `for_call` is asked for."""
+        self.prepare(arguments)
 
     def prepare(self, arguments: Sequence[Any]) -> None:
         """Compiles for the types of these arguments, or reads Numba's cache."""

@@ -9,7 +9,7 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.program import Generated, RecordedArray
+from s2sad.program import Generated, Parameter, RecordedArray
 from s2sad.run.memory import Footprint, byte_text, footprint_of, growing_tapes
 from s2sad.run.memory.call_memory import shown
 from s2sad.run.memory.machine_memory import most_memory
@@ -24,7 +24,8 @@ class MemoryCheck:
 
     def __init__(self, generated: Generated, kernel: str, written: Collection[str]):
         self.generated, self.kernel, self.written = generated, kernel, written
-        primals = [(k, p) for k, p in enumerate(generated.parameters) if p.role == "primal"]
+        self.parameters: tuple[Parameter, ...] = generated.facts.get("taken", generated.parameters)
+        primals = [(k, p) for k, p in enumerate(self.parameters) if p.role == "primal"]
         self.arrays = [k for k, p in primals if p.type.is_array]
         self.integers = [k for k, p in primals if p.type.is_integer]
         self.fits: set[tuple[int, ...]] = set()
@@ -50,7 +51,7 @@ class MemoryCheck:
             raise self.refused(found, f"and this process may have {byte_text(int(there))}", arguments)
 
     def footprint(self, arguments: Sequence[Any]) -> Footprint:
-        values = {p.name: a for p, a in zip(self.generated.parameters, arguments) if p.role == "primal"}
+        values = {p.name: a for p, a in zip(self.parameters, arguments) if p.role == "primal"}
         return footprint_of(self.generated, values, self.written)
 
     def meaning(self, error: MemoryError, arguments: Sequence[Any]) -> BaseException:

@@ -36,7 +36,7 @@ class SplitExecutable(Executable):
         self._entries = [_number_of(t.dtype) if engine == "numba" and t.is_number and t.dtype not in _SAME else as_it_is
                          for t, _ in self.tape]
 
-    def prepare_augmented(self, arguments: Sequence[Any]) -> None:
+    def prepare_call(self, arguments: Sequence[Any]) -> None:
         """Compiles the augmented primal for the types of these arguments."""
         self.prepare_function(self._first_half, arguments, self._first_half.__name__)
 

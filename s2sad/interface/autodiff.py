@@ -128,7 +128,8 @@ class AnnotatedCall:
         ordered = [seeds.get(k, 0.0) for k in self.places] if self.mode.reverse else []
         arguments = variant.assemble(by_name, shadows, ordered, state.arrays_by_name())
         shared = variant.shared_arrays(arguments)
-        variant.check_memory(arguments)
+        copied = [by_name[state.parameters[k]] for k in self.written] if self.keeps else []
+        variant = variant.for_call(arguments, sum(array.nbytes for array in copied))
         if not self._ready:
             state.check_bounds(values, self.engine)
         if self.keeps or state.arrays:

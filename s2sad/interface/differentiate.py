@@ -11,16 +11,18 @@ from s2sad.interface.activities import Annotation, Const, Duplicated, Mode
 from s2sad.dispatch.arguments import kernel_value, bind, describe
 from s2sad.dispatch.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.interface.bound_derivatives import Adjoint, AugmentedPrimal
+from s2sad.interface.checkpoint_argument import Checkpoint, checkpoints_of
 from s2sad.interface.foreign_names import unexpected_keywords
 from s2sad.interface.pytrees import flat_autodiff as with_structures, flat_tapes, flatten, flat_call
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import selection_of
-from s2sad.program import Request
+from s2sad.program import MemoryLimit, Request
 from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.compiled import chosen
 from s2sad.run.memory import Memory
 from s2sad.interface.selection import (
-    Checkpoint, ReturnedValues, Selection, Wrt, checkpoints_of, names_of, selected_of, selected_wrt,
+    ReturnedValues, Selection, Wrt, names_of, selected_of, selected_wrt,
 )
 from s2sad.interface.shadow_calls import ShadowCall
 from s2sad.interface.shadow_signature import argument_text
@@ -56,7 +58,8 @@ def differentiate(function: Callable[..., Any] | None = None, *, wrt: Wrt = None
     Args: wrt, names or positions of parameters (default: every float array and float scalar); of, names of written
     arrays and "return" (default: all of them); engine, "auto" (Numba where it is installed), "numba" or "numpy";
     checkpoint, the loops that keep snapshots in place of a tape, and how many: {"k": 20}, {"advance.k": 20} of a
-    function that is called, {"line 14": 20}.
+    function that is called, {"line 14": 20}; or the memory that a call may take beside its arguments, "1 GB" or a
+    number of bytes, within which loops and numbers are chosen by the sizes of each call (S410 where none fits).
     Raises S2sadError (S405) for an engine that is not there, S408 for a `checkpoint` that is none; everything else when
     a derivative is first asked for. Literature: Griewank and Walther, ACM TOMS 26, 2000.
 
@@ -134,30 +137,10 @@ class Differentiated(Decorated, Generic[P, R]):
             outside = shortened(error)
         raise outside
 
-    @public
-    def augmented(self, *args: Any, **keywords: Any) -> tuple[Any, Tape]:
-        """What f returns, and the tape of its forward sweep; arguments are written as f writes them.
-
-        Args: f's own. The tape holds all that reverse sweeps read, in memory of its own: arguments and results may be
-        written right away. Raises S2sadError, before anything is written: S404, S405 as `adjoint`, S409 (f leaves
-        another object in an argument); and what f raises. Moses and Churavy, NeurIPS 2020.
-
-        >>> import numpy as np
-        >>> @differentiate(wrt="u", engine="numpy")
-        ... def square(u):
-        ...     u[:] = u * u
-        >>> u, u_bar = np.array([1.0, 3.0]), np.ones(2)
-        >>> result, tape = square.augmented(u)
-        >>> square.reverse(tape, u_bar), u, u_bar
-        (None, array([1., 9.]), array([2., 6.]))
-        """
-        given, args, keywords = apply_functions(self, args, keywords)
-        state = (self._derivatives if given is self else derivatives_of(given)).state()
-        values = bind(state.kernel, args, keywords)
-        flattened = flatten(state, values)
-        found = (split_call(state, values, self.__s2sad_selection__).augmented(values) if flattened is None else
-                 flat_tapes.augmented(flattened, values, self))
-        return found.result, Tape(self, found.variant, found.entries, found.sweep)
+    @property
+    def augmented(self) -> AugmentedPrimal:
+        """What runs f and returns a tape beside its result: see `AugmentedPrimal`."""
+        return AugmentedPrimal(self)
 
     @public
     def reverse(self, tape: Tape, *shadows: Any, keep: bool = False) -> Any:
@@ -218,7 +201,7 @@ class Differentiated(Decorated, Generic[P, R]):
             raise S2sadError(Diagnostic("S405", f"'{self.__wrapped_kernel__.__name__}.compiled' was given a structure",
                                         help="the bare function takes arrays and numbers: call adjoint or tangent"))
         if mode in ("adjoint", "tangent"):
-            return ShadowCall(state, mode, args, self.__s2sad_selection__).variant.function
+            return ShadowCall(state, mode, args, self.__s2sad_selection__).function(args)
         if mode != "primal":
             raise S2sadError(Diagnostic("S405", f"there is no mode {mode!r}", help='"adjoint", "tangent" or "primal"'))
         values = self._values(state, args, {})
@@ -247,7 +230,10 @@ class Differentiated(Decorated, Generic[P, R]):
                 split: bool = False) -> str:
         given, args, keywords = apply_functions(self, args, keywords)
         derivatives = self._derivatives if given is self else derivatives_of(given)
-        state, _, request = self._request(derivatives.with_constants(), mode, args, keywords)
+        state, values, request = self._request(derivatives.with_constants(), mode, args, keywords)
+        limited = state.variant(request, self.engine).limited if isinstance(request.checkpoint, MemoryLimit) else None
+        if limited is not None:
+            request = replace(request, checkpoint=limited.plan({**values, **state.arrays_by_name()}, 0).checkpoints)
         request = replace(request, engine=self.engine, level=level, split=split)
         return compiler().derived(state.program, request, {}).text
 
@@ -262,52 +248,21 @@ class Differentiated(Decorated, Generic[P, R]):
         checkpoint = carried.checkpoint if mode == "adjoint" else ()
         return state, dict(zip(parameters, values)), Request(mode, types, wrt, of, checkpoint=checkpoint)
 
-    def _memory(self, args: tuple[Any, ...], keywords: dict[str, Any]) -> Memory:
+    def _run_augmented(self, args: tuple[Any, ...], keywords: dict[str, Any]) -> tuple[Any, Tape]:
+        given, args, keywords = apply_functions(self, args, keywords)
+        state = (self._derivatives if given is self else derivatives_of(given)).state()
+        values = bind(state.kernel, args, keywords)
+        flattened = flatten(state, values)
+        found = (split_call(state, values, self.__s2sad_selection__).augmented(values) if flattened is None else
+                 flat_tapes.augmented(flattened, values, self))
+        return found.result, Tape(self, found.variant, found.entries, found.sweep)
+
+    def _memory(self, args: tuple[Any, ...], keywords: dict[str, Any], split: bool = False) -> Memory:
         given, args, keywords = apply_functions(self, args, keywords)
         derivatives = self._derivatives if given is self else derivatives_of(given)
         state, values, request = self._request(derivatives.state(), "adjoint", args, keywords)
+        request = replace(request, split=split)
         return state.variant(request, self.engine).memory({**values, **state.arrays_by_name()})
-
-
-class Adjoint:
-    """The adjoint of a differentiated function."""
-    __slots__ = ("_function",)
-
-    def __init__(self, function: Differentiated[Any, Any]):
-        self._function = function
-
-    def __call__(self, *args: Any) -> Any:
-        """The adjoints of the float scalar arguments as a tuple, in order (None without any); shadows in place.
-
-        Args: f's arguments, each followed by its shadow (same shape and dtype, writeable) if it has one, then the
-        seeds of the float results. Raises S2sadError, before anything is written: S403 (a shadow that does not fit),
-        S404 (memory shared), S405 (an argument that does not fit); and what f raises.
-        """
-        try:
-            return self._function._shadowed("adjoint", args)
-        except Exception as error:
-            outside = shortened(error)
-        raise outside
-
-    @public
-    def memory(self, *args: Any, **keywords: Any) -> Memory:
-        """The memory that the adjoint takes for these arguments, f's own, without shadows, found before anything runs:
-        see `Memory`. Raises S2sadError as a call does.
-
-        >>> import numpy as np
-        >>> @differentiate(wrt="u", engine="numpy")
-        ... def steps(u, n: int):
-        ...     for k in range(n):
-        ...         for i in range(u.size):
-        ...             u[i] = u[i] * u[i]
-        >>> print(steps.adjoint.memory(np.ones(100), 1000))
-        0.80 MB beside the arguments
-          tape: 0.80 MB
-        """
-        return self._function._memory(args, keywords)
-
-    def __repr__(self) -> str:
-        return f"<adjoint of {self._function.__wrapped_kernel__.__name__}>"
 
 
 @public

@@ -9,12 +9,13 @@ import numpy as np
 
 from s2sad.dispatch.arguments import kernel_value, bind, describe, make_zero
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.interface.checkpoint_argument import Checkpoint, checkpoints_of
 from s2sad.interface.foreign_names import unexpected_keywords
 from s2sad.interface.pytrees import Carrier, flat_drivers as with_structures, flatten
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
-from s2sad.program import Checkpoints
-from s2sad.interface.selection import RETURN, Checkpoint, Wrt, checkpoints_of, names_of
+from s2sad.program import Checkpoints, MemoryLimit
+from s2sad.interface.selection import RETURN, Wrt, names_of
 from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.memory import Memory
 from s2sad.run.tracebacks import public
@@ -34,7 +35,7 @@ def gradient(f: Callable[P, Any], wrt: Wrt = None, checkpoint: Checkpoint = None
 
     Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or position of a parameter, or
     several (default: all that are floats by f's text: annotation, default, use); checkpoint, the loops that keep
-    snapshots in place of a tape, as for `differentiate`. The result is one array (of the
+    snapshots in place of a tape, or a limit for the memory, as for `differentiate`. The result is one array (of the
     argument's shape and dtype) or float for one of them, a dict by name for several; an integer that stands there for a
     float is one. Arguments are never changed, read-only arrays are fine, and nothing is changed when f raises.
     The gradient of a structure is one of the same make, what is no float as it was; names may mean parts: "p.k".
@@ -197,7 +198,7 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wr
     return entry.vjp(args, seeds)
 
 
-def carrier_of(f: Any, checkpoint: Checkpoints | None) -> Any:
+def carrier_of(f: Any, checkpoint: Checkpoints | MemoryLimit | None) -> Any:
     """What has the selection of a function, with other loops that keep snapshots if these are given."""
     return f if checkpoint is None else Carrier.with_overrides(f, None, None, None, checkpoint)
 

@@ -2,8 +2,7 @@
 from __future__ import annotations
 
 import inspect
-import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -12,13 +11,11 @@ import numpy as np
 from s2sad.dispatch.arguments import misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, misfit_of
-from s2sad.interface.schedules import is_schedule, schedule_of
 from s2sad.live_objects.unwrap import python_function
-from s2sad.program import Checkpoints, Snapshots
+from s2sad.program import Checkpoints, MemoryLimit
 
 RETURN = "return"
 Wrt = str | int | Iterable[str | int] | None
-Checkpoint = Mapping[str, Any] | Iterable[tuple[str, Any]] | None
 
 
 class Selection(NamedTuple):
@@ -26,7 +23,7 @@ class Selection(NamedTuple):
     wrt: tuple[str, ...] | None = None
     of: tuple[str, ...] | None = None
     engine: str = "auto"
-    checkpoint: Checkpoints = ()
+    checkpoint: Checkpoints | MemoryLimit = ()
 
 
 @dataclass(frozen=True)
@@ -135,43 +132,6 @@ def names_of(chosen: Wrt, f: Any, what: str = "wrt") -> tuple[str, ...] | None:
         return None if chosen is None else (chosen,)
     several = chosen if isinstance(chosen, Iterable) and not isinstance(chosen, np.ndarray) else (chosen,)
     return tuple(_name_at(n, f, what) for n in several)
-
-
-def checkpoints_of(chosen: Checkpoint) -> Checkpoints:
-    """The loops that keep snapshots, by what the user calls them, and how many each keeps."""
-    if chosen is None:
-        return ()
-    if isinstance(chosen, str) or not isinstance(chosen, Iterable):
-        raise _unclear(f"checkpoint is {chosen!r}")
-    found: tuple[tuple[Any, Any], ...] = tuple(dict(chosen).items())
-    return tuple((loop, _snapshots_of(loop, snapshots)) for loop, snapshots in found)
-
-
-def _snapshots_of(loop: Any, chosen: Any) -> Snapshots:
-    """How many snapshots a loop keeps, and where."""
-    snapshots = chosen if isinstance(chosen, Snapshots) else Snapshots(chosen)
-    count, folder, schedule = snapshots.count, snapshots.on_disk, snapshots.schedule
-    if is_schedule(count):
-        schedule = schedule_of(count)
-        count = schedule.rows
-    if not isinstance(loop, str) or isinstance(count, bool) or not isinstance(count, (int, np.integer)):
-        raise _unclear(f"checkpoint holds {loop!r}: {chosen!r}")
-    if count < 1:
-        raise S2sadError(Diagnostic("S408", f"checkpoint holds {loop!r}: {chosen}, and a loop keeps one "
-                                    "snapshot at least", help="more snapshots are fewer steps that run again"))
-    if folder is not None and not isinstance(folder, (str, os.PathLike)):
-        raise S2sadError(Diagnostic("S408", f"checkpoint holds {loop!r}: {chosen}, which names no folder",
-                                    help='give its path: s2sad.Snapshots(20, on_disk="/scratch")'))
-    if schedule is not None and schedule.on_disk and folder is None:
-        raise S2sadError(Diagnostic("S408", f"the schedule {schedule.title} of {loop!r} uses a disk, and there is no "
-                                    "folder", help='give one: s2sad.Snapshots(schedule, on_disk="/scratch")'))
-    return Snapshots(int(count), None if folder is None else os.fspath(folder), schedule)
-
-
-def _unclear(message: str) -> S2sadError:
-    return S2sadError(Diagnostic("S408", message, help="name loops and how many snapshots each keeps: "
-                                 'checkpoint={"k": 20}, {"advance.k": 20} of a function that is called, '
-                                 '{"line 14": 20} by its line'))
 
 
 def _name_at(place: Any, f: Any, what: str) -> str:

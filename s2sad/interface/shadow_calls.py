@@ -32,31 +32,34 @@ class ShadowCall:
         self._coercions = self._conversions(args)
         arguments = self._arguments(args)
         self.variant.shared_arrays(arguments)
-        self.variant.check_memory(arguments)
+        runs = self.variant.for_call(arguments)
         state.check_bounds(values, self.variant.engine)
-        self.variant.prepare(arguments)
+        runs.prepare(arguments)
         self._direct = not self._coercions and not self._hidden
-        bare = self.variant.engine == "numba" and not any(p.type.is_array for p in self.variant.seeds)
-        self._call = self.variant.function if bare else self._plain
+        self._bare = self.variant.engine == "numba" and not any(p.type.is_array for p in self.variant.seeds)
 
     def __call__(self, args: tuple[Any, ...]) -> Any:
         variant = self.variant
         arguments = args if self._direct else self._arguments(args)
         shared = variant.shared_arrays(arguments)
-        variant.check_memory(arguments)
+        runs = variant.for_call(arguments)
         if self._hidden_written:
             assert isinstance(arguments, list)  # hidden arguments are never direct
             outside = self.state.private_outside_arrays(self.types)
             for k in self._hidden:
                 arguments[k] = outside[variant.parameters[k].name]
         try:
-            return variant.call_with_private_shadows(arguments, shared) if shared else self._call(*arguments)
+            if shared:
+                return runs.call_with_private_shadows(arguments, shared)
+            if self._bare:
+                return runs.function(*arguments)
+            return runs.run(arguments) or None      # a number may be one of NumPy's, the seed of an array may not fit
         except CAUGHT as error:
-            raise variant.meaning(error, arguments) from None
+            raise runs.meaning(error, arguments) from None
 
-    def _plain(self, *arguments: Any) -> Any:
-        """Under NumPy a number may come back as a NumPy scalar; the seed of an array may not fit."""
-        return self.variant.run(arguments) or None
+    def function(self, args: tuple[Any, ...]) -> Any:
+        """The bare function that runs a call with these arguments."""
+        return self.variant.for_call(self._arguments(args)).function
 
     def _conversions(self, args: tuple[Any, ...]) -> list[tuple[int, Any]]:
         found = []

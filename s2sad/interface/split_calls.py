@@ -22,6 +22,7 @@ from s2sad.interface.selection import ReturnedValues, Selection, places, result_
 from s2sad.interface.shadow_signature import argument_text
 from s2sad.interface.tapes import Tape
 from s2sad.program import Request
+from s2sad.run.memory import Memory
 from s2sad.run.overlap import Check, Slot, overlap
 
 
@@ -83,8 +84,8 @@ class SplitCall:
         self.shadowed = [p for p in variant.parameters if p.role == "shadow" and p.type.is_array]
         self._seed_places = places([p.primal for p in variant.seeds])
         state.check_bounds(values, variant.engine)
-        variant.prepare_augmented(self._arguments(values))
-        self._ready = False
+        self._runs(self._arguments(values)).prepare_call(self._arguments(values))
+        self._prepared: set[SplitExecutable] = set()        # those whose reverse sweep is compiled
 
     # -- forward -----------------------------------------------------------------------------------------------------
 
@@ -95,12 +96,24 @@ class SplitCall:
             values[k] = how(values[k])
         self._check_memory(values)
         by_name = dict(zip(self.state.parameters, values))
-        returned, entries = self.variant.augmented(self._arguments(values))
-        self._refuse_shared(entries, by_name, returned)
+        arguments = self._arguments(values)
+        variant = self._runs(arguments)
+        returned, entries = variant.augmented(arguments)
+        self._refuse_shared(variant, entries, by_name, returned)
         shapes = {k: returned[k].shape for k, t in enumerate(self.results.types) if t.is_array}
         found = returned if len(returned) > 1 else returned[0] if returned else None
-        sweep = partial(self.reverse, PrimalShapes(self._stand_ins(by_name), shapes))
-        return Augmented(self.results.with_aliases(found, by_name), entries, self.variant, sweep)
+        sweep = partial(self.reverse, variant, PrimalShapes(self._stand_ins(by_name), shapes))
+        return Augmented(self.results.with_aliases(found, by_name), entries, variant, sweep)
+
+    def memory(self, values: Sequence[Any]) -> Memory:
+        """What both halves take."""
+        return self.variant.memory({**dict(zip(self.state.parameters, values)), **self.state.arrays_by_name()})
+
+    def _runs(self, arguments: list[Any]) -> SplitExecutable:
+        """What runs a call with these arguments."""
+        found = self.variant.for_call(arguments)
+        assert isinstance(found, SplitExecutable)
+        return found
 
     def _check_memory(self, values: Sequence[Any]) -> None:
         if self._apart is not None:
@@ -118,9 +131,10 @@ class SplitCall:
         sharing = {n for n, a in arrays.items() if any(m != n and overlap(a, b) for m, b in arrays.items())}
         return {n: a if n in sharing else np.broadcast_to(np.zeros((), a.dtype), a.shape) for n, a in arrays.items()}
 
-    def _refuse_shared(self, entries: Sequence[Any], values: dict[str, Any], returned: Sequence[Any]) -> None:
+    def _refuse_shared(self, variant: SplitExecutable, entries: Sequence[Any], values: dict[str, Any],
+                       returned: Sequence[Any]) -> None:
         """Refuses what a function with an adjoint of its own keeps if somebody else may write it."""
-        saved = [v for v, (kind, _) in zip(entries, self.variant.tape) if not kind.is_array and not kind.is_number]
+        saved = [v for v, (kind, _) in zip(entries, variant.tape) if not kind.is_array and not kind.is_number]
         if not saved:
             return
         others = [(f"the argument '{n}'", v) for n, v in values.items()]
@@ -135,18 +149,19 @@ class SplitCall:
 
     # -- reverse -----------------------------------------------------------------------------------------------------
 
-    def reverse(self, primals: PrimalShapes, tape: Tape, given: Sequence[Any], keep: bool) -> Any:
+    def reverse(self, variant: SplitExecutable, primals: PrimalShapes, tape: Tape, given: Sequence[Any], keep: bool
+                ) -> Any:
         """The adjoints of float scalars, as a tuple, None without any."""
         arguments = self._fitted(primals, given)
         check = Check([*(Slot(p.primal, "primal", p.primal, False) for p in self.shadowed),
                        *(Slot(p.name, "shadow", p.primal, True) for p in self.shadowed)], "numpy")
         shared = check([*(primals.arguments[p.primal] for p in self.shadowed), *arguments[:len(self.shadowed)]])
         entries = tape.entries()
-        if not self._ready:
-            self.variant.prepare([entries, *arguments])
-            self._ready = True
+        if variant not in self._prepared:
+            variant.prepare([entries, *arguments])
+            self._prepared.add(variant)
         entries = tape.take(keep)
-        return self.variant.run([entries, *arguments], tuple(k + 1 - len(self.shadowed) for k in shared)) or None
+        return variant.run([entries, *arguments], tuple(k + 1 - len(self.shadowed) for k in shared)) or None
 
     def _fitted(self, primals: PrimalShapes, given: Sequence[Any]) -> list[Any]:
         """The shadows and seeds as the reverse sweep takes them; raises S2sadError if one does not fit."""

@@ -72,7 +72,10 @@ class PreparedCall:
                seeds: Sequence[Any] = ()) -> tuple[Any, ...]:
         """Calls the derivative; the first time it is compiled, and the primal run with bounds checks."""
         arguments = variant.assemble(values, shadows, seeds, self.state.private_outside_arrays(self.types))
-        variant.check_memory(arguments)
+        copies = sum(a.nbytes for a in shadows.values() if isinstance(a, np.ndarray))
+        copies += sum(a.nbytes for p, a in zip(variant.parameters, arguments)
+                      if p.role == "primal" and p.name in self.summary.written)
+        variant = variant.for_call(arguments, copies)
         if not self._ready:
             self.state.check_bounds([values[n] for n in self.names], self.engine)
             variant.prepare(arguments)

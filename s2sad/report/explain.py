@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from html import escape
 from typing import Any
 
@@ -12,7 +12,7 @@ from s2sad.dispatch.arguments import kernel_value
 from s2sad.interface.pytrees import Carrier, flat_call
 from s2sad.live_objects.guards import current
 from s2sad.normalize.calls.global_arrays import hidden_arrays, hidden_name
-from s2sad.program import Evaluation, Program, Request
+from s2sad.program import Evaluation, Generated, MemoryLimit, Program, Request
 from s2sad.live_objects.unwrap import apply_functions
 from s2sad.report.findings import Findings, FoundPlace, findings
 from s2sad.report.listing import Listing, listings
@@ -22,6 +22,7 @@ from s2sad.run.compiled import chosen
 from s2sad.interface.selection import Wrt, names_of, selected_of, selected_wrt
 from s2sad.run.tracebacks import public
 from s2sad.dispatch.cache import derivatives_of
+from s2sad.dispatch.snapshot_plan import SnapshotPlan, snapshot_plan
 
 
 @dataclass(frozen=True)
@@ -36,9 +37,11 @@ class Explanation:
     evaluated: tuple[str, ...] = ()         # what was computed before the run, a line each
     taken: Footprint | None = None          # the memory of a call with the arguments
     runs: tuple[LoopRuns, ...] = ()         # of the steps of loops that keep snapshots
+    plan: SnapshotPlan | None = None        # by which these were chosen
 
     def __str__(self) -> str:
-        head = "\n".join([f"{self.title}\nrecords {self.tape}", *map(str, self.runs)])
+        chosen = [] if self.plan is None else [str(self.plan)]
+        head = "\n".join([f"{self.title}\nrecords {self.tape}", *map(str, self.runs), *chosen])
         if self.evaluated:
             head += "\n\n" + "\n".join(["computed before the run", *(f"  {line}" for line in self.evaluated)])
         return "\n\n".join([head, *("\n".join(_lines(f)) for f in self.functions)])
@@ -124,21 +127,30 @@ def explain(f: Callable[..., Any], *args: Any, wrt: Wrt = None,
 
 def explain_program(program: Program, request: Request, arguments: Mapping[str, Any] | None = None) -> Explanation:
     """The report on a program and a request; with arguments by name also on the bytes these take."""
+    plan, limit = None, request.checkpoint
+    if isinstance(limit, MemoryLimit) and arguments:
+        plan = snapshot_plan(program.entry, limit, 0, lambda loops: pipeline.derive(program, replace(
+            request, checkpoint=loops)), lambda made: _taken(program, made, arguments))
+        request = replace(request, checkpoint=plan.checkpoints)
     made = pipeline.derive(program, request)
     units, entry = made.facts["units"], made.facts["derived"]
-    taken = None
-    if arguments is not None:
-        outside = {hidden_name(p, units.program): current(program.arrays[a])
-                   for p, a in hidden_arrays(units.program).items()}
-        parameters = [hidden_name(p.id, units.program) for p in entry.unit.function.args.args]
-        taken = footprint_of(made, {**arguments, **outside}, {parameters[k] for k in entry.unit.summary.written})
+    taken = None if arguments is None else _taken(program, made, arguments)
     derived = [entry, *(d for d in units.derived.values() if d is not entry)]
     title = (f"{request.mode.capitalize()} of {entry.unit.kernel.name}: d({', '.join(request.of) or 'nothing'}) / "
              f"d({', '.join(request.wrt) or 'nothing'}), engine {request.engine}")
     found = tuple(findings(d, taken, request.engine) for d in derived)
     evaluated = () if program.evaluation is None else tuple(_evaluated(program.evaluation, program))
     return Explanation(title, found, listings(program, made, {f.name: f for f in found}), evaluated, taken,
-                       () if taken is None else loop_runs(made, taken))
+                       () if taken is None else loop_runs(made, taken), plan)
+
+
+def _taken(program: Program, made: Generated, arguments: Mapping[str, Any]) -> Footprint:
+    """The memory of a call with these arguments."""
+    units, entry = made.facts["units"], made.facts["derived"]
+    outside = {hidden_name(p, units.program): current(program.arrays[a])
+               for p, a in hidden_arrays(units.program).items()}
+    parameters = [hidden_name(p.id, units.program) for p in entry.unit.function.args.args]
+    return footprint_of(made, {**arguments, **outside}, {parameters[k] for k in entry.unit.summary.written})
 
 
 def _evaluated(found: Evaluation, program: Program) -> Iterator[str]:

@@ -13,7 +13,7 @@ from s2sad.diagnostics import S2sadError
 from s2sad.interface.pytrees import Carrier, flatten, flat_call
 from s2sad.infer.types import Type
 from s2sad.interface.value_calls import ForwardCall, ReverseCall
-from s2sad.program import Checkpoints, Request
+from s2sad.program import Checkpoints, MemoryLimit, Request
 from s2sad.run.compiled import chosen
 from s2sad.run.tracebacks import with_facts
 from s2sad.interface.selection import ReturnedValues, Selection, Wrt, names_of, selected_of, selected_wrt
@@ -33,7 +33,7 @@ class MeasuredCall:
     wrt: tuple[str, ...]
     of: tuple[str, ...]
     engine: str
-    checkpoint: Checkpoints
+    checkpoint: Checkpoints | MemoryLimit
     is_single_precision: bool
     structured: bool
 

@@ -104,6 +104,18 @@ def test_check_and_bench_of_loops_that_keep_snapshots(ran, kernel):
     assert status == 1 and "checkpoint names 'm', which is no loop of 'decay'" in err
 
 
+def test_a_limit_for_the_memory_where_sizes_are_known(ran, kernel):
+    kernel("def decay(u, steps: int):\n    for k in range(steps):\n        u *= 1.0 - 0.1 * u\n    return u[0]\n")
+    given = "--engine", "numpy", "--arguments", "u=np.ones(100), steps=500", "--checkpoint", "30 kB"
+    assert "the loop over k keeps " in ran("explain", "k.py:decay", *given)[1]
+    assert ran("check", "k.py:decay", *given[:3], "np.ones(100), 500", *given[4:])[0] == 0
+    for command in ("adjoint", "stages", "explain"):
+        status, _, err = ran(command, "k.py:decay", "--checkpoint", "30 kB")
+        assert status == 1
+        assert err == ("error[S408]: a limit for the memory chooses loops by the sizes of arguments, which are not "
+                       "known here\n  help: name the loops that keep snapshots, and how many: k=20\n")
+
+
 def test_snapshots_in_files_of_a_folder(ran, kernel):
     """Also of a file that needs NumPy alone."""
     kernel("def decay(u, steps: int):\n    for k in range(steps):\n        u *= 1.0 - 0.1 * u\n    return u[0]\n")

@@ -413,12 +413,13 @@ def test_a_name_of_two_loops():
 
 
 @pytest.mark.parametrize(("checkpoint", "said"), [
-    ("1 GB", "checkpoint is '1 GB'"), ({"k": 2.5}, "checkpoint holds 'k': 2.5"),
+    ("k", "checkpoint is 'k'"), ({"k": 2.5}, "checkpoint holds 'k': 2.5"),
     ({"k": True}, "checkpoint holds 'k': True")])
 def test_what_is_no_number_of_snapshots(checkpoint, said):
     assert _refused(two_loops, checkpoint, np.ones(3), 4) == (
         f'error[S408]: {said}\n  help: name loops and how many snapshots each keeps: checkpoint={{"k": 20}}, '
-        '{"advance.k": 20} of a function that is called, {"line 14": 20} by its line')
+        '{"advance.k": 20} of a function that is called, {"line 14": 20} by its line; or give '
+        'the memory that the call may take: checkpoint="1 GB"')
 
 
 def test_no_snapshots():

@@ -138,6 +138,21 @@ def test_a_million_steps_take_no_time():
     assert memory.tape == 8 * 10 ** 10
 
 
+@pytest.mark.parametrize(("kernel", "args", "loops"), [
+    (kernels.two_levels, (np.ones(20_000), 30, 10), None), (kernels.two_levels, (np.ones(20_000), 60, 3), {"k": 7}),
+    (kernels.swaps, (U, U.copy(), 101), None)], ids=name_of)
+def test_is_what_both_halves_allocate(kernel, args, loops):
+    f = differentiate(kernel, engine="numpy", wrt="u", checkpoint=loops)
+    copies = [a.copy() if isinstance(a, np.ndarray) else a for a in args]
+    bars = [np.zeros_like(a) for a in args if isinstance(a, np.ndarray)]
+
+    def halves(*given):
+        _, tape = f.augmented(*given)
+        f.reverse(tape, *bars, 1.0)
+    memory, seen = f.augmented.memory(*args), traced(halves, *copies)
+    assert fits(memory.peak, seen), (memory, seen)
+
+
 # -- what only the run tells ------------------------------------------------------------------------------------------
 
 def test_of_an_unknown_number_of_steps_it_says_the_bytes_of_one():

@@ -27,7 +27,7 @@ def augmented(flattened: Flattened, args: Sequence[Any], f: Any) -> Augmented:
     shadowed = [p.primal for p in call.shadowed]
     kept = {n: _asked(v, n in places) for n, v in zip(flattened.paths, values)
             for places in [{flattened.names[p] for q, form in flattened.forms.items() for p in places_of(form, q)}]}
-    return Augmented(result, found.entries, call.variant,
+    return Augmented(result, found.entries, found.variant,
                      partial(_reverse, flattened, found.sweep, shadowed, [p.name for p in call.variant.seeds], kept))
 
 

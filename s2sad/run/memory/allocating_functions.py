@@ -287,5 +287,6 @@ _FUNCTIONS: dict[str, Function] = {
     **dict.fromkeys(("np.reshape", "method reshape"), _reshaped),
     **dict.fromkeys(("np.ravel", "method ravel"), _flat), "np.broadcast_to": _broadcast_view,
     "sized": _sized, "on_disk": _on_disk, "len": _length, "abs": _absolute, "np.abs": _absolute, "int": _integer,
-    "float": _real, "bool": _boolean, "max": _extreme(True), "min": _extreme(False), "position": _inside,
+    "float": _real, "np.float64": _real, "bool": _boolean,
+    "max": _extreme(True), "min": _extreme(False), "position": _inside,
     "range": lambda _, args, __: Trips(*args)}

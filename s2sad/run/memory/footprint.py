@@ -43,7 +43,8 @@ class Footprint:
 
 
 def footprint_of(generated: Generated, values: Mapping[str, Any], written: Collection[str] = ()) -> Footprint:
-    """The memory of a call of a generated function for the values of its kernel's parameters, by name; nothing is run.
+    """The memory of a call of a generated function for the values of its kernel's parameters, by name, of both where
+    the two sweeps are functions; nothing is run.
     What lies in arrays of integers counts unless they are `written`."""
     functions, constants = _parsed(generated.text)
     facts = generated.facts
@@ -52,12 +53,28 @@ def footprint_of(generated: Generated, values: Mapping[str, Any], written: Colle
     run = MemoryInterpreter(functions, constants, {(r.function, r.name): r.kind for r in arrays},
                             {loop.function: loop.steps for loop in facts.get("loops", ())})
     given = [*(_given(p, values, written) for p in generated.parameters), *(_abstract(s, True) for s in stacks)]
+    if "forward" in facts:
+        returned = run.call(facts["forward"], [_given(p, values, written) for p in facts["taken"]])
+        given.insert(0, _as_tape(returned))     # while `returned` is held
     run.call(facts["taped"] if stacks else generated.entry, given)
     meter = run.meter
     steps = {f: int(n) if is_number(n) else None for f, n in run.steps.items()}
     peaks = meter.peaks
     return Footprint(meter.peak, peaks["tape"], peaks["snapshots"], peaks["recorded"], peaks["work"], peaks["disk"],
                      meter.bounded or bool(meter.loops), not meter.unknown, run.stacks.found, steps, arrays)
+
+
+def _as_tape(returned: Any) -> Any:
+    """The tape of what the first of two sweeps returns behind its results."""
+    if not isinstance(returned, tuple):
+        return UNKNOWN
+    waiting = [returned[1]]
+    while waiting:
+        entry = waiting.pop()
+        waiting += entry if isinstance(entry, tuple) else ()
+        if isinstance(entry, Array) and entry.buffer is not None and entry.buffer.kind == "work":
+            entry.buffer.tag("tape")
+    return returned[1]
 
 
 def _given(parameter: Parameter, values: Mapping[str, Any], written: Collection[str]) -> Any:
