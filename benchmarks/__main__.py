@@ -51,7 +51,8 @@ def main() -> int:
         return documents[named[0]](rest)
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__, epilog="parts: " + "; ".join(
         f"{name}: {text}" for name, (_, text) in PARTS.items()))
-    parser.add_argument("names", nargs="*", help="parts, or kernels of the parts 'ratios' and 'published' (default: every part)")
+    parser.add_argument("names", nargs="*",
+                        help="parts, or kernels of the parts 'ratios' and 'published' (default: every part)")
     parser.add_argument("--quick", action="store_true", help="few rounds: to see that it works")
     options = parser.parse_args()
     kernels = [n for n in options.names if n not in PARTS]
