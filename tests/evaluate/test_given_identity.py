@@ -158,3 +158,16 @@ def from_table(x):
 
 def test_keys_that_are_no_names():
     np.testing.assert_array_equal(derived(from_table)(X), [2.0, 3.0])
+
+
+def of_one_of_two(x, p, q):
+    one = p if x[0] > x[1] else q
+    one.v[0] = one.v[0] * x[0]
+    return p.v[0] + 3.0 * q.v[0] * x[1]
+
+
+def test_one_of_two_given_objects():
+    for x in ([2.0, 1.0], [1.0, 2.0]):
+        p, q = SimpleNamespace(v=np.array([1.5])), SimpleNamespace(v=np.array([0.5]))
+        found = gradient(differentiate(of_one_of_two, engine="numpy"), wrt="x")(np.array(x), p, q)
+        np.testing.assert_allclose(found, [1.5, 1.5] if x[0] > x[1] else [1.5 * x[1], 1.5 * x[0]])

@@ -163,7 +163,7 @@ def assign(ev: Evaluator, s: Any, f: Frame) -> None:
         ev.spread.add(s.value)
     if isinstance(s.value, tree.Call) and len(s.targets) == 1:
         ev.targets = _simple_names(first)
-    value = ev.value(s.value, f)
+    value = ev.carried(s.value, f)
     if len(s.targets) > 1 or isinstance(first, (tree.Tuple, tree.List)):
         value = _held_items(ev, value, s)
     for target in s.targets:
@@ -206,7 +206,7 @@ def _held_items(ev: Evaluator, value: Value, s: Any) -> Value:
 @statement("AnnAssign")
 def annotated_assign(ev: Evaluator, s: Any, f: Frame) -> None:
     if s.value is not None:
-        store(ev, s.target, ev.value(s.value, f), f, s)
+        store(ev, s.target, ev.carried(s.value, f), f, s)
 
 
 @statement("AugAssign")

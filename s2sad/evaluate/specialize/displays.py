@@ -61,7 +61,7 @@ def set_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
 
 def starred(ev: Evaluator, nodes: Sequence[Any], f: Frame) -> list[Value]:
     """The values of a display, starred ones as their items."""
-    return flat(nodes, ev.values(nodes, f))
+    return flat(nodes, ev.values(nodes, f, carries=True))
 
 
 def flat(nodes: Sequence[AST], values: Sequence[Value]) -> list[Value]:
@@ -73,7 +73,7 @@ def flat(nodes: Sequence[AST], values: Sequence[Value]) -> list[Value]:
 @expression("Dict")
 def dict_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
     nodes = [n for pair in zip(node.keys, node.values) for n in pair if n is not None]
-    values, found = iter(ev.values(nodes, f)), {}
+    values, found = iter(ev.values(nodes, f, carries=True)), {}
     for key in node.keys:
         if key is None:
             merged = next(values)

@@ -103,10 +103,11 @@ def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, An
     with a derivative of its own it is that of its body if it `is_given`, else a call of it."""
     sites: frozenset[int | str] = frozenset()
     cells: frozenset[str] = frozenset()
+    choices: frozenset[str] = frozenset()
     reached: list[tuple[str, Any, bool]] = []
     while True:
         captured = captured_of(function)
-        ev = Evaluator(captured.source, dict(facts), sites, unrolls, inlines, cells)
+        ev = Evaluator(captured.source, dict(facts), sites, unrolls, inlines, cells, choices)
         try:
             found = _evaluated(ev, function, captured, forms, reached, is_given)
             if not (more := assigned_numbers(ev) - no_cells):
@@ -119,6 +120,9 @@ def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, An
                 reason.site if isinstance(reason.site, str) else id(reason.site))
             if reason.demands:
                 raise DemandedFacts(reason.demands, reason.error) from None
+            if reason.choice and reason.choice not in choices:
+                choices |= {reason.choice}
+                continue
             if site is None or site in sites:
                 raise reason.error from None
             sites |= {site}

@@ -16,13 +16,14 @@ from typing import Any, NoReturn
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Source
 from s2sad.diagnostics import Span as Place
+from s2sad.evaluate.specialize.control.choice_joins import are_functions
 from s2sad.evaluate.specialize.evaluation_state import Cell, Frame, Snapshot
-from s2sad.evaluate.specialize.heap import Heap, Object
+from s2sad.evaluate.specialize.heap import Heap, Object, Temporary
 from s2sad.evaluate.specialize.operations import Operations
-from s2sad.evaluate.specialize.signals import NOWHERE, Leave, OutsideError, Unevaluated
+from s2sad.evaluate.specialize.signals import NOWHERE, Leave, OutsideError, Undecided, Unevaluated
 from s2sad.evaluate.specialize.values import (
-    Conflict, Data, FunctionValue, Iteration, MethodValue, Reference, SliceValue, OpaqueValue, TupleValue,
-    Value, constant, parts,
+    Choice, Conflict, Data, FunctionValue, Iteration, MethodValue, Reference, SliceValue, OpaqueValue, TupleValue,
+    Value, constant, count, parts,
 )
 from s2sad.naming import Names
 from s2sad.program import Fact
@@ -73,9 +74,11 @@ class Evaluator(Operations):
     """
 
     def __init__(self, source: Source, facts: dict[Fact, Any], sites: frozenset[int | str],
-                 unrolls: bool = False, inlines: bool = False, cells: frozenset[str] = frozenset()):
+                 unrolls: bool = False, inlines: bool = False, cells: frozenset[str] = frozenset(),
+                 choices: frozenset[str] = frozenset()):
         self.source, self.facts, self.sites, self.unrolls, self.inlines = source, facts, sites, unrolls, inlines
         self.cell_paths, self.cells = cells, list[Cell]()
+        self.choices = choices          # the slots that may hold choices of other things than functions
         self.unrolled_loops: dict[AST, int] = {}    # those that are written out, and how often
         self.heap, self.names = Heap(), Names()
         self.births, self.born = 0, dict[str, int]()       # when each residual name was made
@@ -226,24 +229,39 @@ class Evaluator(Operations):
 
     # -- evaluation --------------------------------------------------------------------------------------------------
     def value(self, node: AST, f: Frame) -> Value:
+        """What an expression gives, as one thing: raises Undecided where it is one of several."""
+        since = self.emitted, self.heap.changes
+        return self.one(self.carried(node, f), node, since)
+
+    def one(self, value: Value, node: AST, since: tuple[int, int] = (-1, -1)) -> Value:
+        """The value, which must be one thing, or one of several functions."""
+        if isinstance(value, Choice) and not are_functions(value.values):
+            raise Undecided(node, value, since)
+        return value
+
+    def carried(self, node: AST, f: Frame) -> Value:
+        """What an expression gives, which is carried along: it may be a choice."""
+        if self.choices and (slot := Temporary("decided", id(node))) in self.heap[f.reference].items:
+            return self.heap[f.reference].items[slot]       # found before the statement that it is in
         transfer = EXPRESSIONS.get(type(node).__name__)
         if transfer is None:
             raise self.refusal(node, f"{_spelled_kind(node)} is not supported in a kernel")
         found = transfer(self, node, f)
         if isinstance(found, Conflict):
-            raise Unevaluated(self.refusal(node, found.what, found.help), found.demands)
+            raise Unevaluated(self.refusal(node, found.what, found.help), found.demands, choice=found.choice)
         if isinstance(found, Data) and found.name:      # what is said of it is about where it is read
             return replace(found, node=tree.at(tree.name(found.name), node))
         return found
 
-    def values(self, nodes: Sequence[AST], f: Frame) -> list[Value]:
+    def values(self, nodes: Sequence[AST], f: Frame, carries: bool = False) -> list[Value]:
         """Operands from left to right, starred ones as tuples of their items; one that a later one's effects may change
-        is held before them."""
+        is held before them. They may be choices where they are carried along."""
+        evaluated = self.carried if carries else self.value
         found: list[Value] = []
         marks: list[tuple[int, int, int]] = []
         for node in nodes:
             found.append(TupleValue(tuple(self.items_of(self.value(node.value, f), node, f))) if isinstance(
-                node, tree.Starred) else self.value(node, f))
+                node, tree.Starred) else evaluated(node, f))
             marks.append((len(self.block), self.effects, len(self.rebound)))
         for k in reversed(range(len(found))):
             at, effects, rebound = marks[k]
@@ -274,6 +292,9 @@ class Evaluator(Operations):
             return replace(value, parts=tuple(self._held(v, rebound, origin) for v in value.parts))  # pyright: ignore
         if isinstance(value, MethodValue):
             return replace(value, base=self._held(value.base, rebound, origin))
+        if isinstance(value, Choice) and any(count(value, name) for name in rebound):
+            raise self.unknown(origin, "one of several things is bound anew before it is used",
+                               help="give it another name first")
         return value
 
     def known(self, value: Value, node: AST, what: str) -> Any:

@@ -11,6 +11,7 @@ from s2sad import tree
 from s2sad.evaluate import random_numbers
 from s2sad.evaluate.effects import is_writing_call
 from s2sad.evaluate.mutating_calls import stored_out
+from s2sad.evaluate.specialize.control.choice_joins import are_functions
 from s2sad.evaluate.specialize.control.choices import chosen
 from s2sad.evaluate.specialize.displays import flat
 from s2sad.evaluate.specialize.evaluation_state import Frame
@@ -21,7 +22,7 @@ from s2sad.evaluate.specialize.sequences.generators import is_generator
 from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    NONE, ClassValue, Data, FunctionChoice, FunctionValue, LibraryValue, MethodValue, Reference, ScopeValue, SuperValue,
+    NONE, Choice, ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, ScopeValue, SuperValue,
     TupleValue, Value, constant,
 )
 from s2sad.live_objects.registry import GIVEN
@@ -35,13 +36,25 @@ def call_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
     if isinstance(node.func, tree.Name) and node.func.id == "super" and not node.args:
         return _super(ev, node, f)
     targets, ev.targets = ev.targets, ()
-    function, *values = ev.values([node.func, *node.args, *(k.value for k in node.keywords)], f)
+    function, *values = ev.values([node.func, *node.args, *(k.value for k in node.keywords)], f, carries=True)
+    if not _takes_choices(ev, function):
+        for n, v in zip((node.func, *node.args, *node.keywords), (function, *values)):
+            ev.one(v, n)
     args = flat(node.args, values)
     keywords: dict[str, Value] = {}
     for k, v in zip(node.keywords, values[len(node.args):]):
         keywords |= {k.arg: v} if k.arg else {str(key): i for key, i in ev.dict_items(v, node, f).items()}
     ev.targets = targets if isinstance(function, FunctionValue) else ()
     return call(ev, function, args, keywords, node, f)
+
+
+def _takes_choices(ev: Evaluator, function: Value) -> bool:
+    """Whether what is called carries its arguments along: functions of the user's, classes, containers."""
+    if isinstance(function, Choice):
+        return are_functions(function.values)
+    if isinstance(function, MethodValue):
+        return not isinstance(function.base, Data)
+    return isinstance(function, ClassValue) or isinstance(function, FunctionValue) and not is_given(function)
 
 
 def _super(ev: Evaluator, node: AST, f: Frame) -> Value:
@@ -64,8 +77,8 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
                             f)
     if isinstance(function, ClassValue):
         return ev.constructed(function, args, keywords, node, f)
-    if isinstance(function, FunctionChoice):
-        return _one_of(ev, function.number, function.functions, args, keywords, node, f)
+    if isinstance(function, Choice):
+        return _one_of(ev, function, args, keywords, node, f)
     if isinstance(function, MethodValue):
         if isinstance(function.base, Data) and not isinstance(function.base.known, str):
             if function.base.is_list and function.name == "extend" and len(args) == 1:
@@ -93,15 +106,16 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
     raise ev.refusal(node, f"{ev.kind_of(function)} is called")
 
 
-def _one_of(ev: Evaluator, number: Data, functions: Sequence[Value], args: Sequence[Value],
-            keywords: Mapping[str, Value], node: AST, f: Frame) -> Value:
-    """What the function with a number gives, which is asked for one after the other, from the last on."""
-    last = len(functions) - 1
-    if last == 0:
-        return call(ev, functions[0], args, keywords, node, f)
-    test = Data(tree.at(tree.compare(ev.spelled(number, node), tree.Eq(), tree.const(last)), node))
-    return chosen(ev, test, (lambda: call(ev, functions[last], args, keywords, node, f),
-                             lambda: _one_of(ev, number, functions[:last], args, keywords, node, f)), node, f)
+def _one_of(ev: Evaluator, choice: Choice, args: Sequence[Value], keywords: Mapping[str, Value], node: AST, f: Frame
+            ) -> Value:
+    """What the chosen function gives; the number is asked for one after the other, from the last on."""
+    *others, last = choice.values
+    if not others:
+        return call(ev, last, args, keywords, node, f)
+    test = tree.compare(ev.spelled(choice.number, node), tree.Eq(), tree.const(choice.numbers[-1]))
+    rest = replace(choice, values=(*others,), numbers=choice.numbers[:-1])
+    return chosen(ev, Data(tree.at(test, node)), (lambda: call(ev, last, args, keywords, node, f),
+                                                  lambda: _one_of(ev, rest, args, keywords, node, f)), node, f)
 
 
 def spelled_base(ev: Evaluator, value: Data, node: AST) -> AST:

@@ -51,6 +51,7 @@ class Heap:
 
     def __init__(self) -> None:
         self.objects: dict[int, Object] = {}
+        self.changes = 0
         self._count = 0
 
     def fork(self) -> dict[int, Object]:
@@ -66,9 +67,11 @@ class Heap:
 
     def put(self, reference: Reference, key: Hashable, value: Value) -> None:
         held = self.objects[reference.number]
+        self.changes += 1
         self.objects[reference.number] = replace(held, items={**held.items, key: value})
 
     def set_items(self, reference: Reference, items: Mapping[Hashable, Value]) -> None:
+        self.changes += 1
         self.objects[reference.number] = replace(self.objects[reference.number], items=dict(items))
 
     def values(self) -> Iterator[Value]:

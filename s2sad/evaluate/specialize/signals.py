@@ -4,19 +4,30 @@ from __future__ import annotations
 from typing import Any
 
 from s2sad.diagnostics import S2sadError
-from s2sad.evaluate.specialize.values import Value
+from s2sad.evaluate.specialize.values import Choice, Value
 from s2sad.program import Fact
+from s2sad.tree import AST
 
 
 class Unevaluated(Exception):
     """Something must be known before the run that is not: rolled back and tried otherwise, else refused. `demands` are
-    the facts about arguments that would make it known, `site` the list that would have to be one at run time; the
-    first round of a loop may differ from the others (`differs`)."""
+    the facts about arguments that would make it known, `site` the list that would have to be one at run time, `choice`
+    what the slot is called whose values would have to be chosen from; the first round of a loop may differ from the
+    others (`differs`)."""
 
     def __init__(self, error: S2sadError, demands: frozenset[Fact] = frozenset(), site: Any = None,
-                 differs: bool = False):
+                 differs: bool = False, choice: str = ""):
         super().__init__(str(error))
-        self.error, self.demands, self.site, self.differs = error, demands, site, differs
+        self.error, self.demands, self.site, self.differs, self.choice = error, demands, site, differs, choice
+
+
+class Undecided(Exception):
+    """An expression gives one of several values, and what is made of it differs: its statement is evaluated for each.
+    `since` is how far the evaluation was when the expression began."""
+
+    def __init__(self, node: AST, choice: Choice, since: tuple[int, int]):
+        super().__init__(str(node))
+        self.node, self.choice, self.since = node, choice, since
 
 
 class OutsideError(S2sadError):

@@ -117,10 +117,11 @@ class LibraryValue:
 
 
 @dataclass(frozen=True)
-class FunctionChoice:
-    """One of several functions, by a number that only the run knows."""
+class Choice:
+    """One of several values by a number that only the run knows: None or a number, one of two objects, of functions."""
     number: Data
-    functions: tuple[Value, ...]
+    values: tuple[Value, ...]
+    numbers: tuple[int, ...]        # of each value
 
 
 @dataclass(frozen=True)
@@ -188,13 +189,15 @@ class OpaqueValue:
 
 @dataclass(frozen=True)
 class Conflict:
-    """What must not be asked for: one thing on one way and another on another, say; `demands` would make it known."""
+    """What must not be asked for: one thing on one way and another on another, say; `demands` would make it known, or
+    a choice between these things do (`choice` is what the slot is called)."""
     what: str = ""
     demands: frozenset[Any] = frozenset()
     help: str = ""
+    choice: str = ""
 
 
-Value = (Data | TupleValue | Reference | FunctionValue | LibraryValue | FunctionChoice | MethodValue | ClassValue
+Value = (Data | TupleValue | Reference | FunctionValue | LibraryValue | Choice | MethodValue | ClassValue
          | SuperValue | ObjectValue | ScopeValue | SliceValue | Iteration | OpaqueValue | Conflict)
 
 
@@ -228,8 +231,8 @@ def alike(a: Value | None, b: Value | None) -> bool:
             alike(x, y) for (_, x), (_, y) in zip(a.keywords, b.keywords))
     if isinstance(a, MethodValue) and isinstance(b, MethodValue):
         return a.name == b.name and alike(a.base, b.base)
-    if isinstance(a, FunctionChoice) and isinstance(b, FunctionChoice):
-        return len(a.functions) == len(b.functions) and all(map(alike, parts(a), parts(b)))
+    if isinstance(a, Choice) and isinstance(b, Choice):
+        return a.numbers == b.numbers and all(map(alike, parts(a), parts(b)))
     return a == b
 
 
@@ -245,8 +248,8 @@ def parts(value: Value) -> tuple[Value, ...]:
                 v for _, v in value.keywords))
     if isinstance(value, MethodValue):
         return (value.base,)
-    if isinstance(value, FunctionChoice):
-        return (value.number, *value.functions)
+    if isinstance(value, Choice):
+        return (value.number, *value.values)
     return (value.instance,) if isinstance(value, SuperValue) else ()
 
 
@@ -274,9 +277,9 @@ def renamed(value: Value, names: Mapping[str, str]) -> Value:
             (k, renamed(v, names)) for k, v in value.keywords))
     if isinstance(value, MethodValue):
         return replace(value, base=renamed(value.base, names))
-    if isinstance(value, FunctionChoice):
-        number, *functions = (renamed(v, names) for v in parts(value))
-        return replace(value, number=number, functions=tuple(functions))
+    if isinstance(value, Choice):
+        number, *values = (renamed(v, names) for v in parts(value))
+        return replace(value, number=number, values=tuple(values))
     return value
 
 

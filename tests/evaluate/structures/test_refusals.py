@@ -37,14 +37,6 @@ def used_as_a_whole(s):
     return np.exp(s)
 
 
-def one_or_the_other(s, p, c):
-    if c > 0.0:
-        q = s
-    else:
-        q = p
-    return q.u[0]
-
-
 def array_as_a_list(s):
     return np.sum(s) / s.size
 
@@ -61,11 +53,6 @@ def membership(s):
     return 1.0 if "x" in s.u else 0.0
 
 
-def chosen(s, p, c):
-    q = s if c > 0.0 else p
-    return q.u[0]
-
-
 REFUSED = [
     (field_that_is_not_there, (state_of(),), "s.uu", "S202",
      "'s', an object of class State, has no attribute 'uu' here", "it has u, v, t, n, log"),
@@ -80,8 +67,6 @@ REFUSED = [
     (used_as_a_whole, (state_of(),), "np.exp(s)", "S201",
      "'s', an object of class State, is used as a whole by what is computed at run time",
      "give the arrays and numbers that it holds"),
-    (one_or_the_other, (state_of(), state_of(), 1.0), "q", "S201",
-     "'q' is one structure on one way and another on another", ""),
     (array_as_a_list, ([1.0, 2.0],), "s.size", "S203", "'s', a list, has no attribute 'size' here",
      "pass numpy.array(s, dtype=float)"),
     (logged, (State(U, U, 0.0, log=print),), "s.log", "S201", "an item of a function of a library", ""),
@@ -91,8 +76,6 @@ REFUSED = [
      "write what it does with the items"),
     (membership, (state_of(),), '"x" in s.u', "S201", "whether an array has an element is asked",
      "write np.any(a == x)"),
-    (chosen, (state_of(), state_of(), 1.0), "s if c > 0.0 else p", "S201",
-     "'choice' is one structure on one way and another on another", ""),
 ]
 
 

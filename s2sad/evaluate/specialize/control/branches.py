@@ -10,6 +10,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.control.choices import boolean_of
+from s2sad.evaluate.specialize.control.decisions import decided
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, STATEMENTS, operation, statement
 from s2sad.evaluate.specialize.signals import NOWHERE, Leave
@@ -17,7 +18,7 @@ from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.control.joined_names import Way
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.control.state_joins import Join
-from s2sad.evaluate.specialize.values import FACTORY, NONE, Data, Reference, TupleValue, Value
+from s2sad.evaluate.specialize.values import FACTORY, NONE, Choice, Data, Reference, TupleValue, Value
 from s2sad.tree import AST
 
 Objects = dict[int, Object]
@@ -35,7 +36,7 @@ def statements(ev: Evaluator, block: Sequence[AST], f: Frame) -> None:
         ev.later(lambda rest=rest: statements(ev, rest, f))
         depth = len(ev.pending)
         try:
-            transfer(ev, s, f)
+            decided(ev, s, lambda transfer=transfer, s=s: transfer(ev, s, f), f)
         finally:
             del ev.pending[depth - 1:]
 
@@ -90,8 +91,10 @@ def continued(ev: Evaluator, left: Leave | None, depth: int, target: int) -> Lea
 
 
 @operation
-def branch(ev: Evaluator, test: Data, arms: Sequence[Callable[[], Any]], origin: AST) -> None:
-    """Both arms of a residual `if` from one state; raises Leave where both leave."""
+def branch(ev: Evaluator, test: Data, arms: Sequence[Callable[[], Any]], origin: AST, decided: Choice | None = None
+           ) -> None:
+    """Both arms of a residual `if` from one state; raises Leave where both leave. They may decide a choice: the
+    first for its first value, the second for the others."""
     before, outer, effects, since = ev.heap.fork(), ev.block, ev.effects, ev.births
     depth = len(ev.pending)
     ends: list[tuple[Way, Leave | None]] = []
@@ -109,12 +112,14 @@ def branch(ev: Evaluator, test: Data, arms: Sequence[Callable[[], Any]], origin:
                 else _arm(ev, way, lambda left=left, target=target: _go(ev, left, depth, target)) for way, left in ends]
     ev.guarded = ev.guarded[:-1]
     ev.block = outer
+    if decided is not None:
+        ends[0][0].alternatives, ends[1][0].alternatives = decided.numbers[:1], decided.numbers[1:]
     going = [(way, left) for way, left in ends if left is None or left.mark != NOWHERE]
     value = None
     if going:
         for way, left in going:
             way.value = left.value if left is not None else None
-        join = Join(ev, [way for way, _ in going], origin, test.demands, since)
+        join = Join(ev, [way for way, _ in going], origin, test.demands, since, decided)
         ev.heap.objects = join.objects()
         if going[0][1] is not None and len(going) > 1:
             value = join.told(join.meet([left.value or NONE for _, left in going if left is not None], "result"))

@@ -27,14 +27,14 @@ def conditional(ev: Evaluator, node: Any, f: Frame) -> Value:
         body, orelse = (ev.spelled(v, node) for v in plain)
         return Data(tree.at(tree.IfExp(test.node, body, orelse), node), demands=demands_of(*plain))
     ev.restore(before)
-    return chosen(ev, test, (lambda: ev.value(node.body, f), lambda: ev.value(node.orelse, f)), node, f)
+    return chosen(ev, test, (lambda: ev.carried(node.body, f), lambda: ev.carried(node.orelse, f)), node, f)
 
 
 def _unless_left(ev: Evaluator, node: AST, f: Frame, demands: frozenset[Any], is_test: bool = False) -> Value | None:
     """What an expression gives that may not be evaluated, as facts may tell; None where it raises."""
     around, ev.guarded = ev.guarded, (*ev.guarded, demands)
     try:
-        return _test(ev, node, f) if is_test else ev.value(node, f)
+        return _test(ev, node, f) if is_test else ev.carried(node, f)
     except Leave:
         return None
     finally:

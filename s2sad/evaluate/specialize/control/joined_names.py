@@ -26,6 +26,7 @@ class Way:
     objects: Objects
     block: list[AST]
     value: Value | None = None
+    alternatives: tuple[int, ...] = ()      # of the choice that the ways decide
 
 
 @dataclass

@@ -290,7 +290,8 @@ def _jump(ev: Evaluator, s: AST, which: int) -> None:
 
 @statement("Return")
 def return_statement(ev: Evaluator, s: Any, f: Frame) -> None:
-    leave_function(ev, s, NONE if s.value is None else ev.value(s.value, f), f)
+    evaluated = ev.value if f.is_entry else ev.carried
+    leave_function(ev, s, NONE if s.value is None else evaluated(s.value, f), f)
 
 
 @operation

@@ -14,9 +14,12 @@ from s2sad.evaluate.specialize.displays import bound
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unbound, Unevaluated
-from s2sad.evaluate.specialize.heap import Object, uses
+from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.control.joined_names import Way, parallel
 from s2sad.evaluate.specialize.control.loop_closed_names import close_names, frames_around, read_outside
+from s2sad.evaluate.specialize.control.loop_homes import (
+    ChoiceHome, choice_home, home_of, moved, names_of, placed, shape, size,
+)
 from s2sad.evaluate.specialize.control.state_joins import Join
 from s2sad.evaluate.specialize.values import (
     NONE, UNKNOWN, Conflict, Data, FunctionValue, Reference, TupleValue, Value, alike, constant, count, parts, renamed,
@@ -41,7 +44,7 @@ class ResidualLoop:
     targets: frozenset[str] = frozenset()                   # the names that it binds itself
 
     def home_names(self) -> set[str]:
-        return {n for home in self.homes.values() for n in _names(home)}
+        return {n for home in self.homes.values() for n in names_of(home)}
 
 
 class NewGoal(Exception):
@@ -128,7 +131,7 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
     after = {**head, **{n: o for n, o in (ev.heap.objects if falls else {}).items() if n not in head}}
     for (n, key), home in loop.homes.items():
         old = loop.start[n].items.get(key, NONE)
-        value = _placed(ev, loop.start, old, home, origin, after)
+        value = placed(ev, loop.start, old, home, origin, after)
         after[n] = _with(after[n], key, _known_on_exits(value, [o[n].items[key] for _, _, o in loop.exits])
                          if loop.is_endless else value)
     ev.heap.objects = {**after, **late.found}
@@ -197,10 +200,6 @@ def _bound_on_exits(ev: Evaluator, loop: ResidualLoop, ways: Sequence[Way], head
     return _Late(late, left, join.found)
 
 
-def _names(home: Any) -> list[str]:
-    return [home] if isinstance(home, str) else [n for h in (home or {}).values() for n in _names(h)]
-
-
 def _with(held: Object, key: Any, value: Value) -> Object:
     return replace(held, items={**held.items, key: value})
 
@@ -248,8 +247,8 @@ def _at_home(ev: Evaluator, loop: ResidualLoop, prelude: list[AST], origin: AST)
             continue
         if isinstance(old, Data) and old.may_be_unbound and old.name != home:
             raise ev.refusal(origin, f"'{key}' is bound on some ways only before this loop", help="bind it on all")
-        moves += _moved(loop.start, old, home)
-        ev.heap.put(Reference(n), key, _placed(ev, loop.start, old, home, origin, ev.heap.objects))
+        moves += moved(ev, loop.start, old, home, origin)
+        ev.heap.put(Reference(n), key, placed(ev, loop.start, old, home, origin, ev.heap.objects))
     prelude += parallel(moves, origin)
 
 
@@ -257,13 +256,13 @@ def _moves(ev: Evaluator, loop: ResidualLoop, objects: Objects, origin: AST, kep
     """What slots with homes hold at the end of a round goes there; what else holds what was there keeps it under a name
     of its own (`kept`)."""
     found = [m for (n, key), home in loop.homes.items() if n in objects
-             for m in _moved(objects, objects[n].items[key], home)]
-    moved = {t for t, v in found if not (isinstance(v, tree.Name) and v.id == t)}
+             for m in moved(ev, objects, objects[n].items[key], home, origin)]
+    targets = {t for t, v in found if not (isinstance(v, tree.Name) and v.id == t)}
     saved = []
     for n, held in list(objects.items()):
         changed = {}
         for key, value in held.items.items():
-            for t in moved if (n, key) not in loop.homes else ():
+            for t in targets if (n, key) not in loop.homes else ():
                 if count(value, t):
                     new = kept.setdefault(t, ev.fresh(t)) if t not in kept else kept[t]
                     saved.append((new, tree.at(tree.name(t), origin)))
@@ -293,75 +292,15 @@ def _settle(ev: Evaluator, loop: ResidualLoop, head: Objects, ends: Sequence[Obj
                 if alike(old, new) or isinstance(old, Conflict):
                     continue
                 first = loop.start[n].items.get(key, old)
-                had = loop.homes.get((n, key))
-                if had is not None and _shape(ev, head, old) != _shape(ev, end, new):
-                    raise ev.unknown(origin, f"'{key}' is another structure in each round")
-                if had is None and _shape(ev, loop.start, first) != _shape(ev, end, new):
-                    error = ev.refusal(origin, f"'{key}' is another structure in each round")
-                    raise Unevaluated(error, differs=isinstance(first, Data) and first.known is None)
-                loop.homes[n, key] = _home(ev, had, (loop.start, first), (end, new), held.name_of(key))
-                found |= loop.homes[n, key] != had
+                had, wanted = loop.homes.get((n, key)), held.name_of(key)
+                before = shape(ev, loop.start, first) if had is None else shape(ev, head, old)
+                if isinstance(had, ChoiceHome) or before != shape(ev, end, new):
+                    if isinstance(new, Conflict) or wanted not in ev.choices and not isinstance(had, ChoiceHome):
+                        error = ev.refusal(origin, f"'{key}' is another structure in each round")
+                        begins = had is None and isinstance(first, Data) and first.known is None
+                        raise Unevaluated(error, differs=begins, choice=wanted)
+                    loop.homes[n, key] = choice_home(ev, had, (loop.start, first), (end, new), wanted, origin)
+                else:
+                    loop.homes[n, key] = home_of(ev, had, (loop.start, first), (end, new), wanted, origin)
+                found |= size(loop.homes[n, key]) != size(had)
     return found
-
-
-def _parts(objects: Objects, value: Value) -> list[tuple[Any, Value]] | None:
-    if isinstance(value, TupleValue):
-        return list(enumerate(value.items))
-    return list(objects[value.number].items.items()) if isinstance(value, Reference) else None
-
-
-def _shape(ev: Evaluator, objects: Objects, value: Value) -> Any:
-    """What must be the same in all rounds: all but the names and numbers in it."""
-    if isinstance(value, Data):
-        special = value.is_known and (value.known is None or isinstance(value.known, str))
-        return ("data", value.known if special else "")
-    if isinstance(value, Reference):
-        held = objects[value.number]
-        if held.kind in ("frame", "class") or held.path or held.live is not None or ev.heap.holders(
-                value, objects) > 1:
-            return value            # others hold it: it stays the one that it is
-        return (held.kind, held.made, tuple((k, _shape(ev, objects, v)) for k, v in held.items.items()))
-    if isinstance(value, TupleValue):
-        return ("tuple", value.made, tuple(_shape(ev, objects, v) for v in value.items))
-    return value
-
-
-def _home(ev: Evaluator, had: Any, first: tuple[Objects, Value], new: tuple[Objects, Value], wanted: str) -> Any:
-    """Names for the leaves of a value that a round changes, its own where nothing else has it; None for the others."""
-    objects, value = first
-    inner, after = _parts(objects, value), dict(_parts(*new) or ())
-    if isinstance(had, str):
-        return had
-    if inner is not None:
-        return {k: _home(ev, (had or {}).get(k), (objects, v), (new[0], after[k]), f"{wanted}_{k}") for k, v in inner}
-    if alike(value, new[1]):
-        return None
-    own = value.name if isinstance(value, Data) else ""
-    if own and own not in ev.leaves and "." not in own and uses(objects, own) == 1:
-        return own
-    return ev.fresh(wanted)
-
-
-def _placed(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AST, into: Objects) -> Value:
-    """The value with its leaves at home."""
-    if home is None:
-        return value
-    if isinstance(home, str):
-        node = tree.at(tree.name(home), origin)
-        return Data(node, demands=value.demands, is_list=value.is_list) if isinstance(value, Data) else Data(node)
-    inner = _parts(objects, value) or []
-    items = {k: _placed(ev, objects, v, home[k], origin, into) for k, v in inner}
-    if isinstance(value, TupleValue):
-        return replace(value, items=tuple(items.values()))
-    assert isinstance(value, Reference)
-    made = ev.heap.new(replace(objects[value.number], items=items))
-    into[made.number] = ev.heap.objects.pop(made.number) if into is not ev.heap.objects else ev.heap[made]
-    return made
-
-
-def _moved(objects: Objects, value: Value, home: Any) -> list[tuple[str, AST]]:
-    if home is None:
-        return []
-    if isinstance(home, str):
-        return [(home, tree.copy(value.node))] if isinstance(value, Data) else []
-    return [m for k, v in _parts(objects, value) or [] for m in _moved(objects, v, home[k])]

@@ -16,8 +16,10 @@ from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object, Temporary, uses
 from s2sad.evaluate.specialize.values import (
-    UNKNOWN, Conflict, Data, FunctionChoice, FunctionValue, LibraryValue, Reference, SliceValue, TupleValue, Value,
-    alike, constant, count, renamed,
+    UNKNOWN, Choice, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike, count, renamed,
+)
+from s2sad.evaluate.specialize.control.choice_joins import (
+    Alternative, are_functions, chosen_value, decided_again, maybe_unbound,
 )
 from s2sad.evaluate.specialize.control.joined_names import Merged, Objects, Way, settled_names
 from s2sad.evaluate.specialize.sparse.matrix_values import KINDS
@@ -28,9 +30,10 @@ class Join:
     """Several ways become one; `block` of each gets the moves to common names."""
 
     def __init__(self, ev: Evaluator, ways: Sequence[Way], origin: AST, demands: frozenset[Fact] = frozenset(),
-                 since: int = 0):
+                 since: int = 0, decided: Choice | None = None):
         self.since = since              # when the ways parted
         self.ev, self.ways, self.origin = ev, ways, origin
+        self.decided = decided          # a choice of which each way has some alternatives
         self.merged: list[Merged] | None = None     # while names are not settled
         self.demands = demands          # what would tell the way
         self.made: dict[tuple[Reference, ...], Reference] = {}
@@ -46,6 +49,9 @@ class Join:
             held = [w.objects[n] for w in self.ways if n in w.objects]
             if len(held) < len(self.ways) or all(h is held[0] for h in held[1:]):
                 self.found[n] = held[0]
+                if self.ev.choices and len(held) < len(self.ways):
+                    self.found[n] = replace(held[0], items={
+                        k: self._on_some(v) for k, v in held[0].items.items()})
                 continue
             self.found[n] = self._object(held)
         names = settled_names(self.ev, self.ways, self.merged, self.since, self.origin)
@@ -62,6 +68,10 @@ class Join:
                                   help="append to it on both, or on none", site=one.site)
         keys = dict.fromkeys(k for h in held for k in h.items)
         return replace(one, items={k: self.told(self._slot(one, k, [h.items.get(k) for h in held])) for k in keys})
+
+    def _on_some(self, value: Value) -> Value:
+        """A value that some ways do not have; names that were bound before are there on all."""
+        return maybe_unbound(value, lambda name: self.ev.born.get(name, 0) > self.since)
 
     def told(self, value: Value) -> Value:
         """A value, which facts may settle."""
@@ -98,7 +108,10 @@ class Join:
                 return made
         data = [(w, v) for w, v in there if isinstance(v, Data)]
         if len(data) < len(there) or any(v.is_known and not isinstance(v.known, (int, float)) for _, v in data):
-            return Conflict(f"'{wanted}' is bound on one way only")
+            several = any(not alike(one, v) for _, v in there[1:])
+            if several and wanted in self.ev.choices:
+                return self._choice(there, wanted)
+            return Conflict(f"'{wanted}' is bound on one way only", choice=wanted if several else "")
         name = data[0][1].name
         if name and all(v.name == name and uses(w.objects, name) == 1 for w, v in data):
             return replace(data[0][1], known=UNKNOWN, may_be_unbound=True)
@@ -126,7 +139,21 @@ class Join:
         """One value for those of all ways."""
         one = values[0]
         if all(alike(one, v) for v in values[1:]):
-            return one
+            return next((v for v in values if isinstance(v, Data) and v.may_be_unbound), one)
+        again = None if self.decided is None else decided_again(self.decided, [
+            (v, w.alternatives) for v, w in zip(values, self.ways)])
+        if again is not None:
+            return again
+        if are_functions(values) or any(isinstance(v, Choice) for v in values):
+            return self._choice([*zip(self.ways, values)], wanted)
+        found = self._same_kind(values, wanted)
+        if not isinstance(found, Conflict) or any(
+                isinstance(v, Reference) and w.objects[v.number].kind in KINDS for w, v in zip(self.ways, values)):
+            return found
+        return self._choice([*zip(self.ways, values)], wanted) if wanted in self.ev.choices else replace(
+            found, choice=wanted)
+
+    def _same_kind(self, values: Sequence[Value], wanted: str) -> Value:
         if all(isinstance(v, Data) for v in values):
             return self._data(values, wanted)  # pyright: ignore[reportArgumentType]
         if all(isinstance(v, TupleValue) for v in values):
@@ -139,24 +166,21 @@ class Join:
             return SliceValue(tuple(self.meet([s.parts[k] for s in slices], wanted) for k in range(3)))
         if all(isinstance(v, Reference) for v in values):
             return self._reference(values, wanted)  # pyright: ignore[reportArgumentType]
-        if all(isinstance(v, (FunctionValue, LibraryValue, FunctionChoice)) for v in values):
-            return self._function(values, wanted)
         return Conflict(f"'{wanted}' is one thing on one way and another on another")
 
-    def _function(self, values: Sequence[Value], wanted: str) -> Value:
-        """One of the functions of all ways, with a number that tells which."""
-        choices = [v for v in values if isinstance(v, FunctionChoice)]
-        functions: list[Value] = [*choices[0].functions] if choices else []
-        for v in values:
-            if not isinstance(v, FunctionChoice) and not any(alike(v, known) for known in functions):
-                functions.append(v)
-        if any(len(c.functions) != len(choices[0].functions) or not all(map(alike, c.functions, choices[0].functions))
-               for c in choices):
-            return Conflict(f"'{wanted}' is one of other functions on each way")
-        numbers = [v.number if isinstance(v, FunctionChoice) else constant(
-            next(k for k, known in enumerate(functions) if alike(v, known))) for v in values]
-        number = self.meet(numbers, f"{wanted}_which")
-        return FunctionChoice(number, tuple(functions)) if isinstance(number, Data) else number
+    def _choice(self, there: Sequence[tuple[Way, Value]], wanted: str) -> Value:
+        """One of the values of some ways, with a number that tells which."""
+        def merged(one: Alternative) -> Value:
+            first = one.held[0][2]
+            if all(alike(first, v) for _, _, v in one.held):
+                return first if len(one.held) == len(self.ways) else self._on_some(first)
+            return self.bound_on([(there[w][0], v) for w, _, v in one.held], wanted)
+
+        def number(numbers: Sequence[Data]) -> Value:
+            if len(numbers) == len(self.ways):
+                return self.meet(numbers, f"{wanted}_which")
+            return self.bound_on([(w, n) for (w, _), n in zip(there, numbers)], f"{wanted}_which")
+        return chosen_value(self.ev.heap, [(w.objects, v) for w, v in there], self.origin, merged, number)
 
     def _data(self, values: Sequence[Data], wanted: str) -> Value:
         if any(v.is_known and (v.known is None or isinstance(v.known, str)) and v.is_literal for v in values):

@@ -1,0 +1,162 @@
+"""Homes: the names that slots have in all rounds of a loop that stays.
+
+A slot that a round changes has names for its leaves, its own where nothing else has it. One that holds different things
+in different rounds holds one of them by a number, and each of them has homes for its leaves.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.control.choice_joins import alternatives, maybe_unbound, number_of, structure
+from s2sad.evaluate.specialize.evaluator import Evaluator
+from s2sad.evaluate.specialize.heap import Object, uses
+from s2sad.evaluate.specialize.values import Choice, Data, Reference, TupleValue, Value, alike
+from s2sad.tree import AST
+
+Objects = Mapping[int, Object]
+
+
+@dataclass(frozen=True)
+class ChoiceHome:
+    """The name of the number, and of each alternative a value as it was found, with its heap, and its homes."""
+    number: str
+    alternatives: tuple[tuple[Objects, Value, Any], ...]
+
+
+def names_of(home: Any) -> list[str]:
+    """All names of a slot's home."""
+    if isinstance(home, ChoiceHome):
+        return [home.number, *(n for _, _, h in home.alternatives for n in names_of(h))]
+    return [home] if isinstance(home, str) else [n for h in (home or {}).values() for n in names_of(h)]
+
+
+def size(home: Any) -> int:
+    """How many names and alternatives a home has."""
+    return len(names_of(home)) + (len(home.alternatives) + 1 if isinstance(home, ChoiceHome) else 0)
+
+
+def _parts(objects: Objects, value: Value) -> list[tuple[Any, Value]] | None:
+    if isinstance(value, TupleValue):
+        return list(enumerate(value.items))
+    return list(objects[value.number].items.items()) if isinstance(value, Reference) else None
+
+
+def shape(ev: Evaluator, objects: Objects, value: Value) -> Any:
+    """What must be the same in all rounds: all but the names and numbers in it."""
+    if isinstance(value, Data):
+        special = value.is_known and (value.known is None or isinstance(value.known, str))
+        return ("data", value.known if special else "")
+    if isinstance(value, Reference):
+        held = objects.get(value.number)
+        if held is None or held.kind in ("frame", "class") or held.path or held.live is not None or ev.heap.holders(
+                value, objects) > 1:
+            return value            # others hold it: it stays the one that it is
+        return (held.kind, held.made, tuple((k, shape(ev, objects, v)) for k, v in held.items.items()))
+    if isinstance(value, Choice):
+        return "choice"
+    if isinstance(value, TupleValue):
+        return ("tuple", value.made, tuple(shape(ev, objects, v) for v in value.items))
+    return value
+
+
+def home_of(ev: Evaluator, had: Any, first: tuple[Objects, Value], new: tuple[Objects, Value], wanted: str,
+            origin: AST) -> Any:
+    """Names for the leaves of a value that a round changes, its own where nothing else has it; None for the others."""
+    objects, value = first
+    inner, after = _parts(objects, value), dict(_parts(*new) or ())
+    if isinstance(had, ChoiceHome) or isinstance(value, Choice) or isinstance(new[1], Choice):
+        return choice_home(ev, had, first, new, wanted, origin)
+    if isinstance(had, str):
+        return had
+    if inner is not None:
+        return {k: home_of(ev, (had or {}).get(k), (objects, v), (new[0], after[k]), f"{wanted}_{k}", origin)
+                for k, v in inner}
+    if alike(value, new[1]):
+        return None
+    own = value.name if isinstance(value, Data) else ""
+    if own and own not in ev.leaves and "." not in own and uses(objects, own) == 1:
+        return own
+    return ev.fresh(wanted)
+
+
+def placed(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AST, into: dict[int, Object]
+           ) -> Value:
+    """The value with its leaves at home."""
+    if home is None:
+        return value
+    if isinstance(home, ChoiceHome):
+        values = tuple(placed(ev, there, v, h, origin, into) for there, v, h in home.alternatives)
+        return Choice(Data(tree.at(tree.name(home.number), origin)), tuple(map(maybe_unbound, values)),
+                      (*range(len(values)),))
+    if isinstance(home, str):
+        node = tree.at(tree.name(home), origin)
+        return Data(node, demands=value.demands, is_list=value.is_list) if isinstance(value, Data) else Data(node)
+    inner = _parts(objects, value) or []
+    items = {k: placed(ev, objects, v, home[k], origin, into) for k, v in inner}
+    if isinstance(value, TupleValue):
+        return replace(value, items=tuple(items.values()))
+    assert isinstance(value, Reference)
+    made = ev.heap.new(replace(objects[value.number], items=items))
+    into[made.number] = ev.heap.objects.pop(made.number) if into is not ev.heap.objects else ev.heap[made]
+    return made
+
+
+def moved(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AST) -> list[tuple[str, AST]]:
+    """What the names of a home get where the slot holds a value."""
+    if home is None:
+        return []
+    if isinstance(home, ChoiceHome):
+        return _moved_choice(ev, objects, value, home, origin)
+    if isinstance(home, str):
+        return [(home, tree.copy(value.node))] if isinstance(value, Data) else []
+    return [m for k, v in _parts(objects, value) or [] for m in moved(ev, objects, v, home[k], origin)]
+
+
+def choice_home(ev: Evaluator, had: Any, first: tuple[Objects, Value], new: tuple[Objects, Value], wanted: str,
+                origin: AST) -> ChoiceHome:
+    """The home of a slot that holds other things in other rounds: as it was, with what is new."""
+    known = had if isinstance(had, ChoiceHome) else ChoiceHome(ev.fresh(f"{wanted}_which"), ())
+    before = [(objects, v) for objects, v, _ in known.alternatives] or [first]
+    found, _ = alternatives(ev.heap, [*before, new])
+    homes = [h for _, _, h in known.alternatives]
+    for one in found[len(homes):]:
+        _, objects, value = one.held[0]
+        homes.append(_leaves(ev, objects, value, wanted, first[0], origin))
+    for one in found:
+        if len({repr(shape(ev, objects, v)) for _, objects, v in one.held}) > 1:
+            raise ev.unknown(origin, f"'{wanted}' is another structure in each round")
+    return ChoiceHome(known.number, tuple((one.held[0][1], one.held[0][2], h) for one, h in zip(found, homes)))
+
+
+def _leaves(ev: Evaluator, objects: Objects, value: Value, wanted: str, start: Objects, origin: AST
+            ) -> Any:
+    """A name for each number and array of a value; what others hold stays where it is."""
+    if isinstance(value, Data):
+        if value.is_known and (value.known is None or isinstance(value.known, str)):
+            return None
+        own = value.name if objects is start else ""
+        return own if own and own not in ev.leaves and "." not in own and uses(objects, own) == 1 else ev.fresh(wanted)
+    if structure(ev.heap, objects, value) is not None:
+        return {k: _leaves(ev, objects, v, f"{wanted}_{k}", start, origin) for k, v in _parts(objects, value) or []}
+    if isinstance(value, Reference) and value.number not in start:
+        raise ev.unknown(origin, f"'{wanted}' is an object of one round in another, and has another name there",
+                         help="copy what is read of it later")
+    return None
+
+
+def _moved_choice(ev: Evaluator, objects: Objects, value: Value, home: ChoiceHome, origin: AST
+                  ) -> list[tuple[str, AST]]:
+    known = [(there, v) for there, v, _ in home.alternatives]
+    _, places = alternatives(ev.heap, [*known, (objects, value)])
+    found = [(home.number, tree.copy(number_of(value, places[-1], origin).node))]
+    own = zip(value.numbers, value.values) if isinstance(value, Choice) else ((0, value),)
+    for number, one in own:
+        moves = moved(ev, objects, one, home.alternatives[places[-1][number]][2], origin)
+        if isinstance(value, Choice) and any(not (isinstance(v, tree.Name) and v.id == t) for t, v in moves):
+            raise ev.refusal(origin, "what a loop carries is one of several things, and has other names on each way",
+                             help="bind it in one place of the loop")
+        found += moves
+    return found
