@@ -23,7 +23,7 @@ from s2sad.differentiate.augmented_primal import with_tape
 from s2sad.optimize.reusable_tape import ReusableTape, reusable_tape
 from s2sad.emit.line_table import line_table
 from s2sad.emit.dialect import in_dialect
-from s2sad.emit.header import documented, header
+from s2sad.emit.header import documented, header, with_docstring
 from s2sad.emit.module import module
 from s2sad.emit.origins import with_origins
 from s2sad.emit.recorded_arrays import recorded_arrays, snapshot_loop
@@ -97,28 +97,29 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         return Generated(printed.text, unit.title, parameters, ("result",), {"guards": guards, "places": places})
     wanted = DerivativeRequest(request.wrt, expanded(request.of, unit), request.with_primal, split=request.split)
     derived = units.derive(request.mode, unit, wanted)
-    made = [f for d in units.derived.values() for f in (d.function, *d.beside, *([d.forward] if d.forward else []))]
+    units.keep_derived(derived)
+    made = [f for d in units.derived.values() for f in d.functions]
     found = facts(derived, request, units) | {"unshadowed": missing_shadows(
         unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges)}
 
     sharing = aliased_derivatives(units)
 
-    def final(d: UnitDerivative) -> FunctionDef:
-        return d.function if request.level != "fast" or d.function.name in sharing else fast(d, units)
+    def final(d: UnitDerivative) -> tuple[FunctionDef, ...]:
+        """The function of a derivative, or the two of its sweeps."""
+        plain = request.level != "fast" or d.function.name in sharing
+        if d.forward is None:
+            return (d.function if plain else fast(d, units),)
+        return (d.forward, d.function) if plain else fast_sweeps(d, units)
     functions = primal_functions(units, kernels_called(made, units))
     if request.level == "fast" and request.engine == "numba":       # steps that run again are most of what runs
         functions = [fast_primal(f, units, True) if units.titled[f.name].outlined else f for f in functions]
     sources = [units.titled[f.name].kernel.source for f in functions]
     for d in units.derived.values():
-        more = [*d.beside, *([] if d is derived else [documented(with_origins(final(d), d.unit.kernel.source), d)])]
+        more = [*d.beside, *(() if d is derived else of_callee(d, *final(d)))]
         functions += more
         sources += [d.unit.kernel.source] * len(more)
-    if derived.forward is None:
-        entered = final(derived)
-    else:
-        plain = request.level != "fast" or derived.function.name in sharing
-        forward, entered = (derived.forward, derived.function) if plain else fast_sweeps(derived, units)
-        functions.append(forward)
+    *first, entered = final(derived)
+    functions += first
     kept = with_caller_tape(derived, entered, units) if request.level == "fast" else None
     if kept is None:
         functions.append(with_origins(entered, unit.kernel.source))
@@ -144,6 +145,16 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
                                  hidden_name(p, units.program), derived.types[n])
                        for n, role, p in derived.made.parameters if role != "tape")
     return Generated(printed.text, derived.function.name, parameters, tuple(derived.made.returns), found)
+
+
+def of_callee(d: UnitDerivative, *made: FunctionDef) -> list[FunctionDef]:
+    """The functions of a derivative that another one calls, as the file has them."""
+    *first, last = made
+    last = with_origins(last, d.unit.kernel.source)
+    if d.kept:
+        first[0], last = d.called_halves(first[0], last)
+        first[0] = with_docstring(first[0], f"Forward sweep of {d.unit.kernel.name}, which returns its tape.")
+    return [*first, documented(last, d)]
 
 
 def recorded(entered: UnitDerivative, units: Units, spelled: Mapping[str, str], taped: str

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.uses import OperandUses, is_active
@@ -14,12 +14,14 @@ from s2sad.tree import AST, Call, user_call
 @dataclass(frozen=True)
 class ActivityPattern:
     """What a call requires of the callee's derivative: positions of active arguments and of active results; whether
-    "values" and "seeds" at its boundary can be infinite or nan (`unbounded`, see `unbounded_values`)."""
+    "values" and "seeds" at its boundary can be infinite or nan (`unbounded`, see `unbounded_values`); whether the two
+    sweeps are wanted as `halves`."""
     kernel: str
     types: tuple[Type, ...]
     arguments: tuple[int, ...]
     results: tuple[int, ...]
     unbounded: frozenset[str] = frozenset()
+    halves: bool = False
 
 
 @dataclass(frozen=True)
@@ -27,9 +29,10 @@ class CalleeDerivative:
     """A derivative of a callee: its name, the positions with shadows, with seeds, and with returned adjoints;
     `reads` and `writes` are the positions of arrays whose content it reads at its start, and overwrites.
 
-    Of a user's own adjoint `forward` is the name of its first half, which returns the `results` and one more, that the
-    call takes as its last argument. An implicit function's sees the state that the function leaves (`after`), and takes
-    the results `values`. The adjoint of a loop that keeps snapshots (`is_loop`) has a first half of its own.
+    Of an adjoint in two halves `forward` is the name of the first, which returns the `results` and one more, that the
+    call takes as its last argument. The halves are a user's own (`is_own`), those of a loop that keeps snapshots, or
+    the sweeps of a function, with a tape of the weight `tape`; 0 if that spares no run. An implicit function's adjoint
+    and a reverse sweep see the state that the function leaves (`after`); the former takes the results `values`.
     """
     name: str
     shadows: tuple[int, ...]
@@ -41,7 +44,8 @@ class CalleeDerivative:
     results: int = 0
     after: bool = False
     values: tuple[int, ...] = ()
-    is_loop: bool = False
+    is_own: bool = False
+    tape: int = 0
 
 
 Derive = Callable[[ActivityPattern], CalleeDerivative]
@@ -63,13 +67,17 @@ def activity_pattern(statement: AST, typing: Typing, active: frozenset[str],
                            unbounded(statement))
 
 
-def call_uses(statement: AST, typing: Typing, active: frozenset[str], derive: Derive, found: OperandUses,
-              unbounded: Callable[[AST], frozenset[str]]) -> None:
-    """What the adjoint of a call reads: its numbers, and the arrays whose content the callee's adjoint reads."""
+def call_adjoint(statement: AST, typing: Typing, active: frozenset[str], derive: Derive,
+                 unbounded: Callable[[AST], frozenset[str]], halves: bool) -> CalleeDerivative | None:
+    """The adjoint of a call, in two `halves` if they are wanted; None if nothing of it is active."""
     pattern = activity_pattern(statement, typing, active, unbounded)
     if not pattern.arguments and not pattern.results:
-        return
-    callee = derive(pattern)
+        return None
+    return derive(replace(pattern, halves=halves))
+
+
+def call_uses(statement: AST, typing: Typing, callee: CalleeDerivative, found: OperandUses) -> None:
+    """What the adjoint of a call reads: its numbers, and the arrays whose content the callee's adjoint reads."""
     for position, argument in enumerate(statement.value.args):
         if typing.of(argument).is_array:
             found.place(argument, typing)

@@ -55,7 +55,8 @@ class Shift:
 class RecordingPlan:
     """The table. Keys are ids of statements and blocks of the function that was analysed: `reversed` are the compound
     statements with something to reverse, `reallocated` the allocations in loops whose arrays the reverse sweep binds
-    again, `after` the statements whose adjoints run in the state that they leave."""
+    again, `after` the statements whose adjoints run in the state that they leave, `halves` the calls whose adjoints are
+    the sweeps of a function, of which the tapes are kept (`tapes` is their weight)."""
     rerun: frozenset[int] = frozenset()
     snapshots: tuple[Snapshot, ...] = ()
     values: dict[str, ReverseValue] = field(default_factory=dict)
@@ -70,6 +71,8 @@ class RecordingPlan:
     reallocated: set[int] = field(default_factory=set)
     after: frozenset[int] = frozenset()
     weight: int = 0
+    halves: frozenset[int] = frozenset()
+    tapes: int = 0
     readers: dict[str, list[AST]] = field(default_factory=dict)
 
 

@@ -15,10 +15,11 @@ from __future__ import annotations
 
 from functools import cache
 
-from s2sad.analyze.callee_derivatives import call_uses, is_kernel_call
+from s2sad.analyze.callee_derivatives import CalleeDerivative, call_adjoint, call_uses, is_kernel_call
 from s2sad.analyze.context import AnalysisContext
 from s2sad.analyze.dependence import Dependence
 from s2sad.analyze.independent_iterations import carries, is_expensive, snapshot_arrays
+from s2sad.analyze.kept_tapes import taped_calls, with_kept_tapes
 from s2sad.analyze.reallocated_arrays import is_reallocation
 from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem, Snapshot
 from s2sad.analyze.recording_planner import plan_for, weight_of
@@ -35,17 +36,28 @@ _WORTH = 2  # the forward sweep runs the loop as well if numbers or elements flo
 
 def to_be_recorded(function: FunctionDef, context: AnalysisContext) -> None:
     """Leaves the plan in `context.plan`, and the problem that it solves in `context.problem`."""
-    context.problem = _problem(context)
+    context.problem = _problem(context, frozenset())
     context.plan = recording_plan(context.problem)
+    calls = taped_calls(context.problem, lambda statement: _adjoint_of(statement, context, True))
+    if calls:
+        context.plan = with_kept_tapes(context.plan, calls, lambda halves: recording_plan(_problem(context, halves)))
+        context.problem = _problem(context, context.plan.halves)
 
 
-def _problem(context: AnalysisContext) -> RecordingProblem:
-    """The tables that the plan is made from."""
+def _adjoint_of(statement: AST, context: AnalysisContext, halves: bool) -> CalleeDerivative | None:
+    """The adjoint of a call; None of any other statement, or if nothing of it is active."""
+    return call_adjoint(statement, context.typing, context.activity.active, context.derive,
+                        context.unbounded.adjoint_boundary, halves) if is_kernel_call(statement) else None
+
+
+def _problem(context: AnalysisContext, halves: frozenset[int]) -> RecordingProblem:
+    """The tables that the plan is made from, with the calls whose adjoints are in two `halves`."""
     structure, typing, active, calls = context.structure, context.typing, context.activity.active, context.calls
 
     def of_call(statement: AST, found: OperandUses) -> None:
-        if is_kernel_call(statement):
-            call_uses(statement, typing, active, context.derive, found, context.unbounded.adjoint_boundary)
+        callee = _adjoint_of(statement, context, id(statement) in halves)
+        if callee is not None:
+            call_uses(statement, typing, callee, found)
 
     def reads_of(statement: AST) -> OperandUses:
         return uses(statement, typing, active, of_call)
@@ -57,10 +69,13 @@ def _problem(context: AnalysisContext) -> RecordingProblem:
 
     @cache
     def refills(statement: AST, array: str) -> bool:
-        return refilled_in_loops(statement, array, structure, calls)
+        return id(statement) not in halves and refilled_in_loops(statement, array, structure, calls)
+
+    def after(statement: AST) -> bool:
+        return id(statement) in halves or calls.adjoint_after(statement)
 
     return RecordingProblem(structure, Dependence(structure), lambda s: has_adjoint(s, typing, active), reads_of,
-                            writes, calls.adjoint_after, refills)
+                            writes, after, refills)
 
 
 def has_adjoint(statement: AST, typing: Typing, active: frozenset[str]) -> bool:

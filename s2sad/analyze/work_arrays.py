@@ -14,8 +14,8 @@ from s2sad.analyze.reallocated_arrays import is_reallocated
 from s2sad.liveness import base_name, read_names, targets
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import (
-    AST, Assign, Attribute, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Subscript, While, dump, names,
-    stored_names, user_call, walk, walk_statements,
+    AST, Assign, Attribute, Break, Call, Constant, Expr, For, FunctionDef, If, Name, Subscript, While, const, dump,
+    index, name, names, stored_names, user_call, walk, walk_statements,
 )
 
 if TYPE_CHECKING:
@@ -145,6 +145,8 @@ class _Refill:
 
     def reads_only(self, statement: AST, filled: set[str]) -> bool:
         """Whether a statement reads elements of the array that have just been stored, and no others."""
+        if dump(index(name(self.array), const(...))) in filled:
+            return True
         found = [n for n in walk(statement) if isinstance(n, Subscript) and base_name(n) == self.array]
         sizes = sum(isinstance(n, Attribute) and base_name(n.value) == self.array for n in walk(statement))
         count = sum(isinstance(n, Name) and n.id == self.array for n in walk(statement)) - sizes

@@ -20,7 +20,7 @@ from s2sad.blocks import returned_values, with_blocks
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.uses import reads_own_result
 from s2sad.differentiate.arithmetic import Term
-from s2sad.analyze.callee_derivatives import is_kernel_call, activity_pattern
+from s2sad.analyze.callee_derivatives import is_kernel_call
 from s2sad.differentiate.trip_counters import TripCounters
 from s2sad.differentiate.context import DifferentiationContext
 from s2sad.differentiate.derivative import Derivative
@@ -57,13 +57,14 @@ class _Adjoint(Shadows):
         assert context.plan is not None
         self.structure, self.typing, self.plan = context.structure, context.typing, context.plan
         self.active, self.bounds = context.activity.active, context.unbounded
-        self.request, self.free, self.derive = context.request, context.names, context.derive
+        self.request, self.free = context.request, context.names
         self.shadows: dict[str, str] = {}
         self.scopes: dict[int, list[str]] = {}
         self.tape = Tape(self.structure, self.typing, self.free, self.plan.rerun,
                          TripCounters(self.structure, self.plan, self.free))
         self.shapes = shapes_of(self.structure.function, self.typing)
-        self.halves = SplitAdjoints(self.structure, self.active, self.free, self.derive, self.bounds)
+        self.halves = SplitAdjoints(self.structure, self.active, self.free, context.derive, self.bounds,
+                                    self.plan.halves)
         self.sweeps = Sweeps(self.structure, self.plan, self.tape, self.free, self.statement, self.zeros, self.shapes,
                              context.family, self.halves.forward_call)
         self.pullback = Pullback(self.typing, self.active, self.free, self.bind, self.shapes,
@@ -103,7 +104,7 @@ class _Adjoint(Shadows):
         self.seeds = seeds
         self.find_scopes()
         added = self.private_shadows()
-        self.sweeps.prints = self.request.split
+        self.sweeps.prints = self.request.split or self.request.halves
         forward = [*empty_at_first(self.structure), *self.sweeps.forward(self.structure.function.body)]
         self.sweeps.prints = False
         reverse = self.with_flag(self.sweeps.reverse(self.structure.function.body))
@@ -263,10 +264,9 @@ class _Adjoint(Shadows):
         return target.value if whole else target
 
     def call(self, statement: AST) -> list[AST]:
-        pattern = activity_pattern(statement, self.typing, self.active, self.bounds.adjoint_boundary)
-        if not pattern.arguments and not pattern.results:
+        callee = self.halves.adjoint(statement)
+        if callee is None:
             return []
-        callee = self.derive(pattern)
         args = with_shadows(statement.value, callee, self.value)
         bound = [base_name(t) for t in targets(statement)]
         args += [name(bound[k]) for k in callee.values]

@@ -15,7 +15,7 @@ returns what its derivative needs: Siskind and Pearlmutter, TOPLAS 30, 2008.)
 """
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 from s2sad.differentiate.reallocation import empty_array
@@ -24,10 +24,10 @@ from s2sad.infer.affine import Affine
 from s2sad.infer.inference import Typing
 from s2sad.infer.shapes import shapes_of
 from s2sad.infer.types import Type
-from s2sad.liveness import Accesses, Liveness, base_name, targets
+from s2sad.liveness import Accesses, Liveness, base_name, read_names, targets
 from s2sad.tree import (
-    AST, Assign, Eq, FunctionDef, If, Name, Return, assign, attribute, call, compare, const, copy, function, index,
-    is_comment, known, name, names, tuple_of, walk_statements, with_body,
+    AST, Assign, Call, Eq, For, FunctionDef, If, Name, Return, Subscript, While, assign, attribute, call, compare,
+    const, copy, function, index, is_comment, known, name, names, tuple_of, user_call, walk, walk_statements, with_body,
 )
 
 
@@ -41,26 +41,26 @@ class TapeEntry:
 
 
 class BothSweeps:
-    """An adjoint, cut where the reverse sweep begins; `own` are the shadows and seeds among its parameters, `live_out`
-    the shadows of arrays."""
+    """An adjoint, cut where the reverse sweep begins; `given` are those of its parameters that the reverse sweep is
+    given again, shadows and seeds for one, `live_out` the shadows of arrays."""
 
-    def __init__(self, adjoint: FunctionDef, parameters: Sequence[str], own: Sequence[str], live_out: set[str],
+    def __init__(self, adjoint: FunctionDef, parameters: Sequence[str], given: Sequence[str], live_out: set[str],
                  accesses: Accesses, typing: Typing):
         [cut] = [k for k, s in enumerate(adjoint.body) if is_comment(s) and s.value.value == REVERSE]
         self.forward, behind = adjoint.body[:cut], adjoint.body[cut:]
         self.parameters, self.live_out, self.accesses, self.typing = parameters, live_out, accesses, typing
         whole = function(adjoint.name, [], behind)
         mentioned = {n.lstrip("=") for n in Liveness(whole, live_out, accesses, strong=False).start}
-        self.taken = [n for n in dict.fromkeys([*parameters, *_bound(self.forward)]) if n in mentioned]
+        self.taken = [n for n in dict.fromkeys([*parameters, *_bound(self.forward)]) if n in mentioned - {*given}]
+        self.given = [n for n in parameters if n in given]
         self.shapes = shapes_of(function(adjoint.name, list(parameters), self.forward), typing)
-        # of what it takes, shadows and seeds
-        self.reverse = function(adjoint.name, [*self.taken, *own], [*self.equal_sizes(self.taken), *behind])
+        self.reverse = function(adjoint.name, [*self.taken, *given], [*self.equal_sizes(self.taken), *behind])
 
     def equal_sizes(self, taken: Collection[str]) -> list[AST]:
         """Marks of which sizes are equal where the reverse sweep begins, by what the forward sweep has allocated."""
         found: dict[Affine, AST] = {}
         made: list[AST] = []
-        for used in taken:
+        for used in (*self.given, *taken):
             kind = self.typing.table[used]
             places: list[AST] = [index(attribute(name(used), "shape"), const(k)) for k in range(kind.rank)] if \
                 kind.is_array else [name(used)] if kind.is_integer else []
@@ -87,6 +87,33 @@ class BothSweeps:
         first = [_unset(e.name, e.kind) for e in tape if e.name not in certain]
         returned = Return(tuple_of(*map(copy, results), *(name(e.name) for e in tape)))
         return function(title, list(self.parameters), [*first, *self.forward, returned])
+
+
+    def spares_runs(self, tape: Sequence[TapeEntry], writes: Callable[[Call], list[str]]) -> bool:
+        """Whether a loop, a statement over arrays or a call of one makes what is on the tape: it would run again."""
+        needed = {e.name for e in tape if e.read}
+
+        def spared(block: list[AST]) -> bool:
+            for statement in reversed(block):
+                parts = list(walk_statements([statement]))
+                changed = {base_name(t) for s in parts for t in targets(s)} | {
+                    n for part in walk(statement) if user_call(part) for n in writes(part)}
+                if not changed & needed:
+                    continue
+                if isinstance(statement, If):
+                    if spared(statement.body) or spared(statement.orelse):
+                        return True
+                elif isinstance(statement, (For, While)) or any(
+                        is_whole(t, self.typing) for t in targets(statement)) or any(map(user_call, walk(statement))):
+                    return True
+                needed.update(read_names(statement))
+            return False
+        return spared(self.forward)
+
+
+def is_whole(place: AST, typing: Typing) -> bool:
+    """Whether a place is one of many elements."""
+    return isinstance(place, Subscript) and typing.of(place).is_array
 
 
 def _unset(identifier: str, kind: Type) -> AST:
@@ -121,6 +148,19 @@ def with_tape(forward: FunctionDef, reverse: FunctionDef, results: int, tape: Se
     unpacked: list[AST] = [assign(tuple_of(*(name(e.name) for e in tape)), name(title))] if tape else []
     return (with_body(forward, [*forward.body[:-1], Return(tuple_of(first, tuple_of(*held)))]),
             function(reverse.name, [title, *own], [*unpacked, *reverse.body]))
+
+
+def with_kept_tape(forward: FunctionDef, reverse: FunctionDef, results: int, tape: Sequence[TapeEntry], title: str
+                   ) -> tuple[FunctionDef, FunctionDef]:
+    """The two functions as a caller calls them: the first returns the tape as one more result, the second takes it as
+    its last argument, called `title`, behind those of the kernel."""
+    returned = forward.body[-1].value.elts
+    kept = tuple_of(*returned[results:])
+    given = [p.id for p in reverse.args.args][len(tape):]
+    last = Return(tuple_of(*returned[:results], kept) if results else kept)
+    return (with_body(forward, [*forward.body[:-1], last]),
+            function(reverse.name, [*given, title], [assign(tuple_of(*(name(e.name) for e in tape)), name(title)),
+                                                     *reverse.body]))
 
 
 def _held(entry: TapeEntry, value: AST, exposed: Collection[str]) -> AST:

@@ -1,6 +1,6 @@
-"""split_adjoints: calls whose adjoint is in two halves, a user's own or that of a loop which keeps snapshots. What the
-first saves, of any type, is on a list of the call's own, from which the second takes it; where the call runs once it
-has a name.
+"""split_adjoints: calls whose adjoint is in two halves, a user's own, that of a loop which keeps snapshots, or the two
+sweeps of a function. What the first saves, of any type, is on a list of the call's own, from which the second takes it;
+where the call runs once it has a name.
 
     y = f(u, t)                     y, kept = f_forward(u, t)
                                     kept_stack.append(kept)
@@ -10,12 +10,13 @@ has a name.
 """
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from s2sad.liveness import targets
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.unbounded_values import UnboundedValues
-from s2sad.analyze.callee_derivatives import Derive, is_kernel_call, activity_pattern
+from s2sad.analyze.callee_derivatives import CalleeDerivative, Derive, call_adjoint, is_kernel_call
 from s2sad.infer.types import UNKNOWN
 from s2sad.naming import Names
 from s2sad.tree import AST, Expr, assign, call, copy, name, tuple_of
@@ -32,14 +33,19 @@ class SavedState:
 
 
 class SplitAdjoints:
-    """The lists of one adjoint, by the calls that they belong to."""
+    """The lists of one adjoint, by the calls that they belong to; those in `halves` call the sweeps of a function."""
 
     def __init__(self, structure: ProgramStructure, active: frozenset[str], free: Names, derive: Derive,
-                 bounds: UnboundedValues):
+                 bounds: UnboundedValues, halves: Collection[int]):
         self.structure, self.typing = structure, structure.typing
-        self.active, self.free, self.derive, self.bounds = active, free, derive, bounds
+        self.active, self.free, self.derive, self.bounds, self.halves = active, free, derive, bounds, halves
         self.made: dict[int, SavedState] = {}
         self.calls: dict[int, AST] = {}
+
+    def adjoint(self, statement: AST) -> CalleeDerivative | None:
+        """The adjoint of a call; None if nothing of it is active."""
+        return call_adjoint(statement, self.typing, self.active, self.derive, self.bounds.adjoint_boundary,
+                            id(statement) in self.halves)
 
     def saved_state(self, statement: AST) -> SavedState:
         """The names for what the first half of a call's adjoint saves."""
@@ -54,8 +60,7 @@ class SplitAdjoints:
         """The call of a first half, and the push of its state; nothing for any other statement."""
         if not is_kernel_call(statement):
             return []
-        pattern = activity_pattern(statement, self.typing, self.active, self.bounds.adjoint_boundary)
-        callee = self.derive(pattern) if pattern.arguments or pattern.results else None
+        callee = self.adjoint(statement)
         if callee is None or not callee.forward:
             return []
         kept = self.saved_state(statement)
@@ -79,8 +84,4 @@ class SplitAdjoints:
     def lists(self) -> list[tuple[str, AST]]:
         """The lists of what users' functions keep, or the names of that, each with its call."""
         return [(kept.stack or kept.value, self.calls[key]) for key, kept in self.made.items()
-                if not self.is_loop(self.calls[key])]
-
-    def is_loop(self, statement: AST) -> bool:
-        """Whether a call is of a loop that keeps snapshots."""
-        return self.derive(activity_pattern(statement, self.typing, self.active, self.bounds.adjoint_boundary)).is_loop
+                if (callee := self.adjoint(self.calls[key])) is not None and callee.is_own]

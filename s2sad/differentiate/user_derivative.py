@@ -61,7 +61,7 @@ def user_derivative(owner: UserFunction, residual: Residual | None, mode: str, r
         tuple(order.index(p) for p in request.wrt if p in owner.numbers),
         tuple(k for k, p in enumerate(order) if p in read), tuple(k for k, p in enumerate(order) if p in written),
         f"user.{forward}" if pair else "", len(owner.results), residual is not None,
-        tuple(int(p.split()[1]) for _, role, p in made.parameters if role == "value"))
+        tuple(int(p.split()[1]) for _, role, p in made.parameters if role == "value"), True)
     return CompleteDerivative(made, beside, types, callee, frozenset(arrays),
                               frozenset(k for k in arrays if names[k] in shadows or names[k] in read),
                               frozenset(k for k in arrays if names[k] in shadows or names[k] in written))

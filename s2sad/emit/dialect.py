@@ -33,7 +33,7 @@ def in_dialect(functions: list[FunctionDef], units: Units) -> list[FunctionDef]:
         primals = {title: u.lowered_types for title, u in units.titled.items()}
         made = map(for_numba, functions)        # derivatives come of normal form, which binds what it reads
         return [bind_before_loops(f, primals[f.name]) if f.name in primals else f for f in made]
-    types = {f.name: d.types for d in units.derived.values() for f in (d.function, d.forward, *d.beside) if f}
+    types = {f.name: d.types for d in units.derived.values() for f in d.functions}
     types |= {title: {**u.typing.table, **dict(zip((p.id for p in u.lowered.args.args), u.types))}
               for title, u in units.titled.items()}
     return numpy_scalars(functions, types, units.program.constants)

@@ -36,8 +36,13 @@ def documented(function: FunctionDef, derived: UnitDerivative, manner: str = "")
     of = ", ".join("return" if results == 1 and o.startswith("return ") else o for o in derived.request.of)
     wrt = ", ".join(derived.request.wrt)
     said = f"{derived.mode.capitalize()} of {derived.unit.kernel.name}: d({of or 'nothing'}) / d({wrt or 'nothing'})"
+    return with_docstring(function, f"{said}, {manner}." if manner else f"{said}.")
+
+
+def with_docstring(function: FunctionDef, said: str) -> FunctionDef:
+    """The function under a line."""
     new = copy(function)
-    new.body = [Expr(const(f"{said}, {manner}." if manner else f"{said}.")), *new.body]
+    new.body = [Expr(const(said)), *new.body]
     return new
 
 

@@ -8,13 +8,15 @@ import numpy as np
 from s2sad import simplify
 from s2sad.analyze import ACTIVITY, PASSES as ANALYSES
 from s2sad.analyze.activity import Activity, activity_of
+from s2sad.analyze.kept_tapes import array_weight
 from s2sad.analyze.live_state import live_state
 from s2sad.analyze.callee_derivatives import ActivityPattern, CalleeDerivative, activity_pattern
 from s2sad.analyze.recording_plan import RecordingPlan
 from s2sad.analyze.request import DerivativeRequest
 from s2sad.analyze.unbounded_values import UnboundedValues, unbounded_values_of
+from s2sad.analyze.work_arrays import refills
 from s2sad.differentiate import PASSES as DIFFERENTIATION
-from s2sad.differentiate.augmented_primal import BothSweeps, TapeEntry
+from s2sad.differentiate.augmented_primal import BothSweeps, TapeEntry, with_kept_tape
 from s2sad.differentiate.checkpointed_adjoint import CheckpointedAdjoint, StepDerivative
 from s2sad.differentiate.scheduled_adjoint import ScheduledAdjoint
 from s2sad.differentiate.context import DifferentiationContext
@@ -23,7 +25,7 @@ from s2sad.differentiate.implicit import Residual, solution_of, implicit_refusal
 from s2sad.differentiate.user_derivative import user_derivative
 from s2sad.form import verify
 from s2sad.infer.inference import Typing
-from s2sad.infer.types import FLOAT, Type
+from s2sad.infer.types import FLOAT, UNKNOWN, Type
 from s2sad.blocks import returned_values
 from s2sad.liveness import Accesses
 from s2sad.naming import Names
@@ -34,7 +36,7 @@ from s2sad.passes import Passes, run
 from s2sad.program import Table
 from s2sad.simplify import DerivativeContext, Effect, Effects
 from s2sad.simplify.wide_accumulators import uses_float32
-from s2sad.tree import AST, Assert, Call, For, FunctionDef, function, is_comment, user_call, walk, walk_statements
+from s2sad.tree import AST, Assert, Call, For, FunctionDef, Name, function, is_comment, user_call, walk, walk_statements
 from s2sad.units.normal_forms import NormalForms
 from s2sad.units.unit import Unit
 
@@ -56,6 +58,16 @@ class UnitDerivative:
     forward: FunctionDef | None = None              # the augmented primal, if `function` is the reverse sweep alone,
     tape: tuple[TapeEntry, ...] = ()                # which takes this first
     equal_sizes: tuple[AST, ...] = ()               # what is known there of the sizes of arrays
+    kept: str = ""                                  # the tape as one value, of sweeps that a caller calls
+
+    def called_halves(self, forward: FunctionDef, reverse: FunctionDef) -> tuple[FunctionDef, FunctionDef]:
+        """The two sweeps as their callers call them."""
+        return with_kept_tape(forward, reverse, len(self.unit.summary.results), self.tape, self.kept)
+
+    @property
+    def functions(self) -> tuple[FunctionDef, ...]:
+        """The functions that it consists of."""
+        return (self.function, *self.beside, *([self.forward] if self.forward else []))
 
     @property
     def mode(self) -> str:
@@ -82,8 +94,10 @@ class Units(NormalForms):
     def derive(self, mode: str, unit: Unit, request: DerivativeRequest, flat: bool = False) -> UnitDerivative:
         key = (mode, unit.title, request, flat)
         if key not in self.derived:
-            others = sum(k[0] == mode and k[1] == unit.title for k in self.derived)
-            word = "reverse" if request.split else mode
+            apart = request.split or request.halves
+            others = sum(k[0] == mode and k[1] == unit.title and apart == (k[2].split or k[2].halves)
+                         for k in self.derived)
+            word = "reverse" if apart else mode
             title = self.titles.fresh(f"{unit.title}_{word}" + (f"_{others + 1}" if others else ""))
             if unit.loop is not None and mode == "adjoint":
                 made = self._checkpointed(unit, unit.loop, request, title)
@@ -93,6 +107,19 @@ class Units(NormalForms):
                 made = self._differentiated(mode, unit, request, title, flat)
             self.derived[key] = made
         return self.derived[key]
+
+    def keep_derived(self, entry: UnitDerivative) -> None:
+        """Drops the derivatives that one does not call, directly or not: those that were weighed and not taken."""
+        named = {f.name: key for key, d in self.derived.items() for f in d.functions}
+        found: set[tuple] = set()
+        waiting = [named[entry.function.name]]
+        while waiting:
+            if (key := waiting.pop()) not in found:
+                found.add(key)
+                mentioned = {n.id.removeprefix("user.") for f in self.derived[key].functions for n in walk(f.body)
+                             if isinstance(n, Name)}
+                waiting += [named[n] for n in mentioned & named.keys()]
+        self.derived = {key: d for key, d in self.derived.items() if key in found}
 
     def activity(self, unit: Unit, request: DerivativeRequest) -> Activity:
         return activity_of(unit.function, unit.typing, set(request.wrt), set(request.of), self.call_edges)
@@ -114,7 +141,8 @@ class Units(NormalForms):
             family=unit.family, flat=flat)
         context.typing = typing
         made = run(DERIVATIVES, unit.function, context)
-        return self._separated(unit, made, context) if request.split else self._simplified(unit, made, context)
+        apart = request.split or request.halves
+        return self._separated(unit, made, context) if apart else self._simplified(unit, made, context)
 
     def _checkpointed(self, unit: Unit, loop: OutlinedLoop, request: DerivativeRequest, title: str) -> UnitDerivative:
         """The adjoint of an outlined loop, in two halves."""
@@ -145,7 +173,7 @@ class Units(NormalForms):
         self.schedules |= halves.constants()
         made.again = adjoint is not None and self._runs_forwards(adjoint.name.removeprefix("user."))
         callee = replace(self._callee(made, request, typing), forward=f"user.{forward.name}",
-                         results=len(loop.outputs), is_loop=True)
+                         results=len(loop.outputs))
         return UnitDerivative(callee, made.function, made, unit, context.activity, dict(typing.table), request,
                               RecordingPlan(), (forward,))
 
@@ -256,19 +284,44 @@ class Units(NormalForms):
     def _separated(self, unit: Unit, adjoint: FunctionDef, found: DifferentiationContext) -> UnitDerivative:
         """The two sweeps as two functions, each after the passes of `simplify`."""
         made, typing, parameters = found.derivative, found.typing, [p.id for p in unit.function.args.args]
-        live_out, own = self._live_out(made, typing, False), [p for p in made.parameters if p[1] != "primal"]
+        request, live_out = found.request, self._live_out(made, typing, False)
+        given = [p for p in made.parameters if request.halves or p[1] != "primal"]
         accesses = Accesses(self.effects.writes, self.effects.pure, self.effects.unread)
-        sweeps = BothSweeps(adjoint, parameters, [n for n, _, _ in own], live_out, accesses, typing)
+        sweeps = BothSweeps(adjoint, parameters, [n for n, _, _ in given], live_out, accesses, typing)
         plain = self._shortened(unit, sweeps.reverse, found, live_out)
         tape = sweeps.tape(plain, self.effects.table[plain.name].writes)
         title = self.titles.fresh(f"{unit.title}_augmented")
         forward = sweeps.augmented(title, returned_values(unit.function.body), tape)
         forward = self._shortened(unit, forward, found, {p for p in parameters if typing.table[p].is_array})
-        made.parameters = [*((e.name, "tape", e.name) for e in tape), *own]
+        made.parameters = [*((e.name, "tape", e.name) for e in tape), *given]
         plain = function(plain.name, [n for n, _, _ in made.parameters], plain.body)
-        return UnitDerivative(CalleeDerivative(f"user.{plain.name}", (), (), (), (), ()), plain, made, unit,
-                              found.activity, dict(typing.table), found.request, found.plan, (), forward, tape,
-                              tuple(sweeps.equal_sizes([e.name for e in tape])))
+        derived = UnitDerivative(CalleeDerivative(f"user.{plain.name}", (), (), (), (), ()), plain, made, unit,
+                                 found.activity, dict(typing.table), request, found.plan, (), forward, tape,
+                                 tuple(sweeps.equal_sizes([e.name for e in tape])))
+        if request.halves:
+            derived.callee = self._halves(derived, typing, sweeps)
+        return derived
+
+    def _halves(self, derived: UnitDerivative, typing: Typing, sweeps: BothSweeps) -> CalleeDerivative:
+        """What callers must know of the two sweeps of a function, which they call."""
+        plan, made = derived.plan, derived.made
+        assert derived.forward is not None and plan is not None
+        kept = typing.declare(Names(derived.types).fresh("kept"), UNKNOWN)
+        derived.types[kept] = UNKNOWN
+        derived.kept = kept
+        for half in derived.called_halves(derived.forward, derived.function):
+            self.effects.add(half, typing)
+        signature = [p for p in made.parameters if p[1] != "tape"]
+        found = self._callee(replace(made, parameters=signature), derived.request, typing)
+        spares = sweeps.spares_runs(derived.tape, self.effects.writes)
+        weight = plan.tapes + sum(array_weight(e.kind) for e in derived.tape)
+        given = [p.id for p in sweeps.reverse.args.args]
+        fixed = {*given, *(f"={p}" for p in given)}
+        restored = {k for k, p in enumerate(derived.unit.function.args.args) if k in found.reads and refills(
+            sweeps.reverse, p.id, fixed, self, last=False)}
+        return replace(found, forward=f"user.{derived.forward.name}", results=len(derived.unit.summary.results),
+                       reads=tuple(k for k in found.reads if k not in restored), after=True,
+                       tape=weight if spares else 0)
 
     def _shortened(self, unit: Unit, function: FunctionDef, found: DifferentiationContext, live_out: set[str]
                    ) -> FunctionDef:
@@ -316,9 +369,10 @@ class Units(NormalForms):
     def callee_request(self, pattern: ActivityPattern, mode: str) -> DerivativeRequest:
         """The request of a call for the derivative of its callee."""
         unit = self.unit(pattern.kernel, pattern.types)
+        halves = pattern.halves and unit.kernel.own is None and not (unit.runs_once or unit.outlined or unit.pairs)
         parameters = [p.id for p in unit.function.args.args]
         arguments = tuple(parameters[k] for k in pattern.arguments)
         written = {parameters[k] for k in unit.summary.written}
         of = tuple(p for p in arguments if p in written) + tuple(f"return {k}" for k in pattern.results)
         return DerivativeRequest(arguments, of, mode == "tangent", pattern.unbounded if unit.kernel.own is None
-                                 else frozenset(), unit.outlined and mode == "adjoint")
+                                 else frozenset(), unit.outlined and mode == "adjoint", halves=halves)

@@ -10,11 +10,9 @@ Engine: Numba. Level: fast. Arguments:
     layers_1_1: float64, in
 
 It records:
-    state_u_before: state_u before `change(state, p, b)`, 8 * state_u.size bytes
-    state_u_before_2: state_u before `change(state, p, b)`, 8 * state_u.size bytes
-    state_u_stack in change_adjoint: state_u before `state.u[i] += dt * p["k"] *
+    state_u_stack in change_reverse: state_u before `state.u[i] += dt * p["k"] *
         state.u[i]`, 8 * state_u.size bytes
-    state_u_stack in change_adjoint_2: state_u before `state.u[i] += dt * p["k"] *
+    state_u_stack in change_reverse_2: state_u before `state.u[i] += dt * p["k"] *
         state.u[i]`, 8 * state_u.size bytes
 """
 
@@ -23,18 +21,19 @@ import numpy as np
 from s2sad.runtime import added  # isort: skip
 
 
-def change(state_u, p_k, dt):
-    for i in range(state_u.size):
-        state_u[i] += dt * p_k * state_u[i]
-
-
-def change_adjoint(state_u, state_u_bar, p_k, dt):
-    """Adjoint of change: d(state_u) / d(state_u, p_k)."""
-    # forward sweep: only what the reverse sweep reads
+def change_augmented(state_u, p_k, dt):
+    """Forward sweep of change, which returns its tape."""
+    # forward sweep
     state_u_stack = np.empty(state_u.size)
     for i in range(state_u.size):
         state_u_stack[i] = state_u[i]
         state_u[i] += dt * p_k * state_u[i]
+    return (state_u_stack,)
+
+
+def change_reverse(state_u, state_u_bar, p_k, dt, kept):
+    """Adjoint of change: d(state_u) / d(state_u, p_k)."""
+    (state_u_stack,) = kept
     # reverse sweep
     p_k_bar = 0.0
     for i in range(state_u.size):
@@ -46,13 +45,19 @@ def change_adjoint(state_u, state_u_bar, p_k, dt):
     return (p_k_bar,)
 
 
-def change_adjoint_2(state_u, state_u_bar, p_k, dt):
-    """Adjoint of change: d(state_u) / d(state_u, p_k, dt)."""
-    # forward sweep: only what the reverse sweep reads
+def change_augmented_2(state_u, p_k, dt):
+    """Forward sweep of change, which returns its tape."""
+    # forward sweep
     state_u_stack = np.empty(state_u.size)
     for i in range(state_u.size):
         state_u_stack[i] = state_u[i]
         state_u[i] += dt * p_k * state_u[i]
+    return (state_u_stack,)
+
+
+def change_reverse_2(state_u, state_u_bar, p_k, dt, kept):
+    """Adjoint of change: d(state_u) / d(state_u, p_k, dt)."""
+    (state_u_stack,) = kept
     # reverse sweep
     p_k_bar = 0.0
     dt_bar = 0.0
@@ -72,29 +77,22 @@ def kernel_adjoint(
     layers_1_0, layers_1_1
 ):
     # forward sweep: only what the reverse sweep reads
-    state_u_before = np.copy(state_u)
-    change(state_u, p_k, layers_0_1)
+    kept = change_augmented(state_u, p_k, layers_0_1)
     state_u_here = state_u[0]
-    state_u_before_2 = np.copy(state_u)
+    kept_2 = change_augmented_2(state_u, p_k, layers_1_1)
     # reverse sweep
     t_bar = state_t_bar[0]
     # state.t += w[1] * state.u[0]
     state_u_bar[0] += layers_1_0[1] * t_bar
-    for i in range(state_u.shape[0]):
-        # change(state, p, b)
-        state_u[i] = state_u_before_2[i]
     # change(state, p, b)
-    gain, gain_2 = change_adjoint_2(state_u, state_u_bar, p_k, layers_1_1)
+    gain, gain_2 = change_reverse_2(state_u, state_u_bar, p_k, layers_1_1, kept_2)
     p_k_bar = gain
     layers_1_1_bar = gain_2
     # state.t += w[1] * state.u[0]
     layers_0_0_bar[1] += state_u_here * t_bar
     state_u_bar[0] += layers_0_0[1] * t_bar
-    for i in range(state_u.shape[0]):
-        # change(state, p, b)
-        state_u[i] = state_u_before[i]
     # change(state, p, b)
-    (gain,) = change_adjoint(state_u, state_u_bar, p_k, layers_0_1)
+    (gain,) = change_reverse(state_u, state_u_bar, p_k, layers_0_1, kept)
     p_k_bar += gain
     # def kernel
     state_t_bar[0] = t_bar
