@@ -92,9 +92,7 @@ def as_good_as_a_copy(x):
 def cases():
     for kernel in (by_name, through_another, one_level_down, in_a_loop, unpacked, appended, comprehended):
         yield Case(kernel, (X,), "x")
-    yield Case(bound_on_one_way, (X,), refused=(
-        "S201 at `us`: 'us' is one structure on one way and another on another"))
     # the message
     yield Case(by_name, (X,), "x")
-    for kernel in [as_good_as_a_copy]:
+    for kernel in [as_good_as_a_copy, bound_on_one_way]:
         yield Case(kernel, (X,), ("x",))

@@ -17,6 +17,7 @@ from s2sad.evaluate.specialize.values import Choice, Data, Reference, TupleValue
 from s2sad.tree import AST
 
 Objects = Mapping[int, Object]
+MOST = 8        # times that a loop is found to hold yet another thing: each round holds its own
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,7 @@ class ChoiceHome:
     """The name of the number, and of each alternative a value as it was found, with its heap, and its homes."""
     number: str
     alternatives: tuple[tuple[Objects, Value, Any], ...]
+    times: int = 0      # how often one was added
 
 
 def names_of(home: Any) -> list[str]:
@@ -125,10 +127,13 @@ def choice_home(ev: Evaluator, had: Any, first: tuple[Objects, Value], new: tupl
     for one in found[len(homes):]:
         _, objects, value = one.held[0]
         homes.append(_leaves(ev, objects, value, wanted, first[0], origin))
+    if known.times > MOST:
+        raise ev.unknown(origin, f"'{wanted}' is another structure in each round")
     for one in found:
         if len({repr(shape(ev, objects, v)) for _, objects, v in one.held}) > 1:
             raise ev.unknown(origin, f"'{wanted}' is another structure in each round")
-    return ChoiceHome(known.number, tuple((one.held[0][1], one.held[0][2], h) for one, h in zip(found, homes)))
+    return ChoiceHome(known.number, tuple((one.held[0][1], one.held[0][2], h) for one, h in zip(found, homes)),
+                      known.times + (len(found) > len(before)))
 
 
 def _leaves(ev: Evaluator, objects: Objects, value: Value, wanted: str, start: Objects, origin: AST
