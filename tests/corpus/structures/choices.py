@@ -330,6 +330,44 @@ def a_list_that_grows(x):
     return sum(c) + len(a) * x[2] + sum(b) ** 2
 
 
+def two_that_go_together(x):
+    best = None
+    where = None
+    for i in range(x.shape[0]):
+        if x[i] < 0.6:
+            best = x[i]
+            where = i
+    if where is not None and best is not None:
+        return best * (where + 1)
+    return 0.0
+
+
+def none_again(x):
+    best = None
+    s = 0.0
+    for i in range(x.shape[0] * 3):
+        d = np.sin(x[i % 3] * (i + 1))
+        if best is None:
+            best = d
+        else:
+            s += best * d
+            if d < 0.4:
+                best = None
+    return s
+
+
+def read_where_it_is_replaced(x):
+    best, s = None, 0.0
+    for i in range(x.shape[0] * 2):
+        d = np.sin(x[i % 3] * (i + 1))
+        old = best
+        if d > 0.3:
+            best = d
+        if old is not None and best is not None:
+            s += (best - old) ** 2 + old * x[0]
+    return s
+
+
 def exchanged(p, q, x):
     if x[0] > 0.5:
         p, q = q, p
@@ -343,7 +381,8 @@ def changed_by_a_helper(x):
 
 
 EVERY = (
-    changed_by_a_helper, ray_tracer, a_root_that_may_not_be, asked_in_a_test, the_best_of_some, a_place_or_none,
+    two_that_go_together, none_again, changed_by_a_helper, ray_tracer, a_root_that_may_not_be, asked_in_a_test,
+    the_best_of_some, a_place_or_none,
     the_one_before,
     an_array_or_none, one_of_two_objects, one_of_two_lists, given_on_to_another_name, the_largest_is_changed,
     a_machine_of_states, an_object_of_an_earlier_round, a_tuple_or_none, until_nothing_changes,
@@ -357,6 +396,7 @@ def cases():
     for kernel, said in (
             (an_array_that_goes_on_changing, "S201 at `prev`: 'prev' may stand for different arrays here: "
              "copy into one array with x[...] = ..., or use two names"),
+            (read_where_it_is_replaced, "S201 at `best`: 'best' is bound on some ways only"),
             (a_list_that_grows, "S201 at `c.append(x[1] * 2)`: append to 'c', which is not bound once, to a list: "
              "bind it once, as [] or as a list of what it starts with")):
         yield Case(kernel, (np.array([0.8, 0.5, 0.3]),), "x", refused=said)

@@ -5,7 +5,7 @@ in different rounds holds one of them by a number, and each of them has homes fo
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -152,6 +152,14 @@ def _leaves(ev: Evaluator, objects: Objects, value: Value, wanted: str, start: O
     return None
 
 
+def _unbound(objects: Objects, value: Value) -> Iterator[str]:
+    """The names in a value that some ways do not bind."""
+    if isinstance(value, Data):
+        yield from [value.name] if value.may_be_unbound else ()
+    for _, inner in _parts(objects, value) or []:
+        yield from _unbound(objects, inner)
+
+
 def _moved_choice(ev: Evaluator, objects: Objects, value: Value, home: ChoiceHome, origin: AST
                   ) -> list[tuple[str, AST]]:
     known = [(there, v) for there, v, _ in home.alternatives]
@@ -160,7 +168,8 @@ def _moved_choice(ev: Evaluator, objects: Objects, value: Value, home: ChoiceHom
     own = zip(value.numbers, value.values) if isinstance(value, Choice) else ((0, value),)
     for number, one in own:
         moves = moved(ev, objects, one, home.alternatives[places[-1][number]][2], origin)
-        if isinstance(value, Choice) and any(not (isinstance(v, tree.Name) and v.id == t) for t, v in moves):
+        unbound = {*_unbound(objects, one)}
+        if any(isinstance(v, tree.Name) and v.id in unbound - {t} for t, v in moves):
             raise ev.refusal(origin, "what a loop carries is one of several things, and has other names on each way",
                              help="bind it in one place of the loop")
         found += moves
