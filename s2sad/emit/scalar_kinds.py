@@ -90,7 +90,13 @@ class ScalarKinds:
                     self._bind_to(part, value.elts[place], False)
                 else:
                     for inner in stored_names(part):
-                        self.bound.setdefault(inner, []).append(kinds[place] if place < len(kinds) else FLOAT)
+                        self.bound.setdefault(inner, []).append(
+                            kinds[place] if place < len(kinds) else self._by_type(inner))
+
+    def _by_type(self, identifier: str) -> int:
+        """What a number may be of which its type alone is known: an integer is no float."""
+        kind = self.types.get(identifier)
+        return INT if kind is not None and kind.is_number and not kind.is_float and not kind.is_complex else FLOAT
 
     def find(self) -> None:
         """The kinds of the names, from the least."""

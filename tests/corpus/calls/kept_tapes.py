@@ -193,11 +193,26 @@ def parts_of_arrays(x, w, n):
     return np.sum(u ** 2)
 
 
+def placed(u, w):
+    n = u.shape[0]
+    s = np.sum(u * w)
+    u[int(abs(s) * 7.3) % n] = 0.6 * (2.5 + s) ** -0.5
+    for i in range(n):
+        u[i] *= w[i]
+
+
+def at_a_computed_place(x, w, n):
+    """The remainder by an integer of the tape's is one of integers."""
+    u = x * n
+    placed(u, w)
+    return np.sum(u ** 2)
+
+
 def cases():
     x, w = generator(17).random((2, 6))
     for kernel in (overwritten_behind, overwritten_in_a_loop, read_in_front, twice, many, in_a_branch, nested,
                    result_used_twice, left_by_break, a_part_is_stored, no_trips, a_work_array, in_steps,
-                   one_array_twice, parts_of_arrays):
+                   one_array_twice, parts_of_arrays, at_a_computed_place):
         for n in (0, 3):
             yield Case(kernel, (x.copy(), w.copy(), n), ("x", "w"))
     yield Case(in_place, (x.copy(), w.copy(), 3), ("u", "w"), ("u", "w"))
