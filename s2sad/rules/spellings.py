@@ -102,6 +102,8 @@ for _function in ("numpy.vecdot", "numpy.linalg.vecdot"):
 same("numpy.linalg.svdvals(a)", "runtime.singular_values(a)")
 same("numpy.linalg.matrix_norm(x, keepdims=False, ord='fro')",
      "numpy.linalg.norm(x, ord=ord, axis=(-2, -1), keepdims=keepdims)")
+for _function, _other in (("double", "float64"), ("single", "float32"), ("cdouble", "complex128")):
+    same(f"numpy.{_function}(x)", f"numpy.{_other}(x)")
 same("numpy.ediff1d(a)", "numpy.diff(numpy.ravel(a))")
 same("numpy.fliplr(m)", "numpy.flip(m, axis=1)")
 same("numpy.flipud(m)", "numpy.flip(m, axis=0)")

@@ -93,6 +93,18 @@ def test_values(kernel, engine):
     np.testing.assert_allclose(gradient, 2.0 * A, rtol=1e-6)
 
 
+def written_beside(a):
+    y = np.float64(a)
+    y[0] = y[1] * y[2]
+    return np.sum(y * a)
+
+
+@pytest.mark.parametrize(("dtype", "expected"), [(np.float32, [6.0, 7.0, 8.0]), (np.float64, [0.0, 40.0, 30.0])])
+def test_a_conversion_copies_where_the_dtype_is_another_one(dtype, expected):
+    a = np.array([1.0, 2.0, 3.0], dtype)
+    np.testing.assert_array_equal(s2sad.gradient(written_beside)(a), np.array(expected, dtype))
+
+
 def kept(a, s):
     return np.sum((a + s - s) ** 2)
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 from functools import reduce
 
 from s2sad.infer.inference import Typing
+from s2sad.infer.promotion import CASTS
 from s2sad.infer.signatures.laws import axes_of, whole_number, constant_slice
 from s2sad.infer.signatures.options import is_none
 from s2sad.infer.scalar_reductions_types import NORM, SPREAD, reduced_number
@@ -56,6 +57,9 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
             return _item(node, typing.of(node.func.value), [rebuild(n, change) for n in [node.func.value, *node.args]])
         if isinstance(node, Subscript) and isinstance(node.slice, Slice) and isinstance(node.value, Attribute):
             return _shape_slice(node, typing)
+        if (dtype := CASTS.get(call_name(node) or "")) and isinstance(node, Call) and len(node.args) == 1 and (
+                kind := typing.of(node.args[0])).is_array and kind.dtype == dtype:
+            return at(call("numpy.asarray", rebuild(node.args[0], change)), node)
         if call_name(node) == "builtins.abs" and len(node.args) == 1 and typing.of(node.args[0]).is_array:
             return at(call("numpy.abs", rebuild(node.args[0], change)), node)
         if call_name(node) == "numpy.squeeze" and len(node.args) == 1 and all(map(is_none, (

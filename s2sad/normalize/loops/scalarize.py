@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from s2sad.blocks import with_blocks
 from s2sad.liveness import base_name
 from s2sad.infer.inference import Typing
+from s2sad.infer.promotion import CASTS
 from s2sad.infer.shapes import Shapes, started_shapes, shape_expression
 from s2sad.infer.slice_extents import scattered
 from s2sad.infer.types import INT, Type
@@ -146,11 +147,17 @@ class Scalarize:
         if isinstance(statement, (Assign, AugAssign)):
             return self.store(statement)
         if isinstance(statement, Return) and statement.value is not None and not self.only and (
-                not self.final or any((call_name(n) or "").startswith(_LOOPED) for n in walk(statement.value))):
+                not self.final or any(map(self.is_looped, walk(statement.value)))):
             before: list[AST] = []
             value = self.sums(statement.value, before, joined=not self.final)
             return [*before, Return(value)]
         return [statement]
+
+    def is_looped(self, node: AST) -> bool:
+        """Whether compiled code needs, or does better with, loops in place of a call."""
+        called = call_name(node) or ""
+        return called.startswith(_LOOPED) or called in CASTS and isinstance(node, Call) and len(
+            node.args) == 1 and self.typing.of(node.args[0]).is_array
 
     def store(self, statement: Assign | AugAssign) -> list[AST]:
         value = statement.value

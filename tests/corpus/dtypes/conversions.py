@@ -69,7 +69,28 @@ def of_unsigned(x):
     return np.sum(x * np.cumsum(SMALL))
 
 
+def the_same_array(x):
+    """What has the dtype already is converted into itself, so that a store shows in both; elsewhere it is a copy."""
+    y, z = np.float64(x), np.double(x[::2])
+    y[0] = y[1] * y[4]
+    z *= 2.0
+    return np.sum(x * x * np.arange(1.0, 6.0))
+
+
+def converted_in_expressions(x, y):
+    return np.sum(np.float64(x[1:]) * y[1:]) + np.max(np.float64(x) * y) + np.dot(np.float64(x), np.float64(y))
+
+
+def converted_operand(x, y):
+    return np.float64(x) * y
+
+
 def cases():
+    single = np.float32(X)
+    yield Case(the_same_array, (X,), "x")
+    for kernel in (converted_in_expressions, converted_operand):
+        yield Case(kernel, (X, X), ("x", "y"))
+        yield Case(kernel, (single, X), "x")
     yield Case(squeezed, (X, A, 1.0 + A[:1], SMALL), ("x", "k"))
     yield Case(squeezed_number, (X[:1],), refused=(
             "S501 at `np.squeeze(x[:, None])`: np.squeeze without an axis leaves out every axis of length 1: "
