@@ -13,7 +13,7 @@ from s2sad.analyze.dependence import ArrayReference
 from s2sad.liveness import base_name
 from s2sad.analyze.recording_plan import RecordingProblem
 from s2sad.analyze.reallocated_arrays import allocation_loops, is_carried, outlives_loop
-from s2sad.analyze.program_structure import StatementPlace, ProgramStructure, heads, is_simple
+from s2sad.analyze.program_structure import StatementPlace, ProgramStructure, heads
 from s2sad.analyze.trip_counts import invariant_trip_counts
 from s2sad.analyze.reverse_values import ReverseValues
 from s2sad.normalize.loops.hoist_allocations import is_allocation
@@ -24,7 +24,7 @@ def snapshot_arrays(loop: For, problem: RecordingProblem) -> list[str] | None:
     """The arrays of which an iteration of a loop needs snapshots to run again; None if none can run again."""
     structure, typing = problem.structure, problem.structure.typing
     inner = structure.inner[id(loop)]
-    if not any(isinstance(p.statement, (For, While)) or not is_simple(p.statement, typing) for p in inner):
+    if not any(isinstance(p.statement, (For, While)) or not structure.is_simple(p.statement) for p in inner):
         return None
     if any(type(p.statement).__name__ == "Break" and p.loops[-1] is loop for p in inner):
         return None

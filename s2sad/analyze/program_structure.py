@@ -45,6 +45,14 @@ class ProgramStructure:
     loop_of: dict[str, AST] = field(default_factory=dict)
     blocks: dict[int, list[list[AST]]] = field(default_factory=dict)
     inner: dict[int, list[StatementPlace]] = field(default_factory=dict)
+    simple: dict[int, bool] = field(default_factory=dict)       # asked for each value by all branches around it
+
+    def is_simple(self, statement: AST) -> bool:
+        """Whether a statement of the function is simple (see below)."""
+        found = self.simple.get(id(statement))
+        if found is None:
+            found = self.simple[id(statement)] = is_simple(statement, self.typing, self.is_simple)
+        return found
 
     def place(self, statement: AST) -> StatementPlace:
         return self.places[id(statement)]
@@ -124,13 +132,6 @@ class _Walk:
     def __init__(self, table: ProgramStructure):
         self.table = table
         self.order = 0
-        self.simple: dict[int, bool] = {}       # by `id(statement)`: all branches around one read it
-
-    def is_simple(self, statement: AST) -> bool:
-        found = self.simple.get(id(statement))
-        if found is None:
-            found = self.simple[id(statement)] = is_simple(statement, self.table.typing, self.is_simple)
-        return found
 
     def block(self, block: list[AST], around: Enclosing, segment: tuple[int, int] | None) -> None:
         around = replace(around, blocks=(*around.blocks, id(block)))
@@ -138,7 +139,7 @@ class _Walk:
             for statement in block:
                 self.statement(statement, around, segment)
             return
-        cut = self.table.blocks[id(block)] = segments(block, self.is_simple)
+        cut = self.table.blocks[id(block)] = segments(block, self.table.is_simple)
         for number, run in enumerate(cut):
             for statement in run:
                 self.statement(statement, around, (id(block), number))
@@ -154,7 +155,7 @@ class _Walk:
                 self.table.bindings.setdefault(target.id, []).append(statement)
         inside = (*around.inside, statement)
         if isinstance(statement, If):
-            own = segment if self.is_simple(statement) else None
+            own = segment if self.table.is_simple(statement) else None
             for chosen, block in ((True, statement.body), (False, statement.orelse)):
                 self.block(block, replace(around, branches=(*around.branches, (statement, chosen)), inside=inside),
                            own)

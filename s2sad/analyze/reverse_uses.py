@@ -6,7 +6,7 @@ from collections import deque
 from s2sad.analyze.min_cut import Network
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem, Shift, Snapshot, Store, by_key
-from s2sad.analyze.program_structure import StatementPlace, heads, is_simple
+from s2sad.analyze.program_structure import StatementPlace, heads
 from s2sad.analyze.uses import OperandUses
 from s2sad.analyze.reverse_values import ReverseValue, ReverseValues
 from s2sad.tree import AST, Assign, For, If, Name, names
@@ -112,4 +112,4 @@ class ReverseUses:
     def _segment_branches(self, statement: AST) -> int:
         """How many of the branches around a statement are outside its segment."""
         place = self.structure.place(statement)
-        return sum(not is_simple(b, self.typing) for b, _ in place.branches)
+        return sum(not self.structure.is_simple(b) for b, _ in place.branches)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from s2sad.analyze.program_structure import ProgramStructure, is_simple
+from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.reallocated_arrays import reads_carried
 from s2sad.tree import AST, Assign, If, names
 
@@ -60,10 +60,10 @@ class ReverseValues:
             return ReverseValue(name, name, "opaque", tuple(bound), loop)
         if len(bound) > 1:
             merge = self._merge(bound)
-            simple = is_simple(merge, self.structure.typing)
+            simple = self.structure.is_simple(merge)
             return ReverseValue(name, name, "merge" if simple else "opaque", tuple(bound), merge)
         statement = bound[0]
-        again = (isinstance(statement, Assign) and is_simple(statement, self.structure.typing)
+        again = (isinstance(statement, Assign) and self.structure.is_simple(statement)
                  and not reads_carried(self.structure, statement))
         return ReverseValue(name, name, "expression" if again else "opaque", (statement,), statement)
 
