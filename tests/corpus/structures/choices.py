@@ -383,7 +383,7 @@ def changed_by_a_helper(x):
 EVERY = (
     two_that_go_together, none_again, changed_by_a_helper, ray_tracer, a_root_that_may_not_be, asked_in_a_test,
     the_best_of_some, a_place_or_none,
-    the_one_before,
+    the_one_before, read_where_it_is_replaced,
     an_array_or_none, one_of_two_objects, one_of_two_lists, given_on_to_another_name, the_largest_is_changed,
     a_machine_of_states, an_object_of_an_earlier_round, a_tuple_or_none, until_nothing_changes,
     objects_that_change_places, in_a_dict, found_or_else, a_function_or_none, or_another_one,
@@ -396,7 +396,6 @@ def cases():
     for kernel, said in (
             (an_array_that_goes_on_changing, "S201 at `prev`: 'prev' may stand for different arrays here: "
              "copy into one array with x[...] = ..., or use two names"),
-            (read_where_it_is_replaced, "S201 at `best`: 'best' is bound on some ways only"),
             (a_list_that_grows, "S201 at `c.append(x[1] * 2)`: append to 'c', which is not bound once, to a list: "
              "bind it once, as [] or as a list of what it starts with")):
         yield Case(kernel, (np.array([0.8, 0.5, 0.3]),), "x", refused=said)

@@ -46,14 +46,19 @@ def structure(heap: Heap, objects: Objects, value: Value) -> Any:
 
 @dataclass
 class Alternative:
-    """One of the things that a slot may hold: what it is on the ways that have it, with the ways' heaps."""
+    """One of the things that a slot may hold: what it is on the ways that have it, with the ways' heaps, and the number
+    that it has there."""
     held: list[tuple[int, Objects, Value]]
+    numbers: list[int]
 
 
 def maybe_unbound(value: Value, on_some: Callable[[str], bool] = lambda _: True) -> Value:
     """A value of which some ways do not bind some names."""
     if isinstance(value, TupleValue):
         return replace(value, items=tuple(maybe_unbound(v, on_some) for v in value.items))
+    if isinstance(value, Choice):
+        return replace(value, number=maybe_unbound(value.number, on_some),
+                       values=tuple(maybe_unbound(v, on_some) for v in value.values))
     return replace(value, may_be_unbound=True) if isinstance(value, Data) and value.name and on_some(
         value.name) else value
 
@@ -69,8 +74,9 @@ def alternatives(heap: Heap, held: Sequence[tuple[Objects, Value]]) -> tuple[lis
             place = next((p for p, a in enumerate(found) if p not in places[k].values() and _is_one(
                 heap, objects, one, a)), len(found))
             if place == len(found):
-                found.append(Alternative([]))
+                found.append(Alternative([], []))
             found[place].held.append((k, objects, one))
+            found[place].numbers.append(j)
             places[k][j] = place
     return found, places
 
@@ -83,6 +89,13 @@ def _is_one(heap: Heap, objects: Objects, value: Value, other: Alternative) -> b
     return alike(value, there) or make is not None and make == structure(heap, theirs, there)
 
 
+def is_chosen(value: Value, number: int, node: AST) -> AST | None:
+    """The test whether a choice is the alternative with a number; None of what is no choice."""
+    if not isinstance(value, Choice):
+        return None
+    return tree.at(tree.compare(tree.copy(value.number.node), tree.Eq(), tree.const(number)), node)
+
+
 def number_of(value: Value, places: Mapping[int, int], node: AST) -> Data:
     """The number of the alternative that a value is, where its own have these places."""
     if not isinstance(value, Choice):
@@ -92,8 +105,7 @@ def number_of(value: Value, places: Mapping[int, int], node: AST) -> Data:
     *rest, last = sorted(places)
     spelled: Any = tree.const(places[last])
     for j in reversed(rest):
-        test = tree.compare(tree.copy(value.number.node), tree.Eq(), tree.const(j))
-        spelled = tree.IfExp(test, tree.const(places[j]), spelled)
+        spelled = tree.IfExp(is_chosen(value, j, node), tree.const(places[j]), spelled)
     return Data(tree.at(spelled, node))
 
 

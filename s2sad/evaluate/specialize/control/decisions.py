@@ -92,11 +92,13 @@ def _bound(ev: Evaluator, value: Value) -> Value:
     """A value that is there, and so is all that is in it."""
     if isinstance(value, Data):
         return replace(value, may_be_unbound=False)
+    if isinstance(value, Choice):
+        return replace(value, number=_bound(ev, value.number))
     if isinstance(value, TupleValue):
         return replace(value, items=tuple(_bound(ev, v) for v in value.items))
     if isinstance(value, Reference) and any(
-            isinstance(v, Data) and v.may_be_unbound for v in ev.heap[value].items.values()):
-        items = {k: _bound(ev, v) if isinstance(v, Data) else v for k, v in ev.heap[value].items.items()}
+            isinstance(v, Choice) or isinstance(v, Data) and v.may_be_unbound for v in ev.heap[value].items.values()):
+        items = {k: _bound(ev, v) if isinstance(v, (Choice, Data)) else v for k, v in ev.heap[value].items.items()}
         ev.heap.objects[value.number] = replace(ev.heap[value], items=items)
     return value
 

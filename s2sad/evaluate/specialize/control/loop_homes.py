@@ -5,16 +5,19 @@ in different rounds holds one of them by a number, and each of them has homes fo
 """
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.control.choice_joins import alternatives, maybe_unbound, number_of, structure
+from s2sad.evaluate.specialize.control.choice_joins import (
+    alternatives, is_chosen, maybe_unbound, number_of, structure,
+)
+from s2sad.evaluate.specialize.control.joined_names import parallel
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object, uses
 from s2sad.evaluate.specialize.values import Choice, Data, Reference, TupleValue, Value, alike
-from s2sad.tree import AST
+from s2sad.tree import AST, names
 
 Objects = Mapping[int, Object]
 MOST = 8        # times that a loop is found to hold yet another thing: each round holds its own
@@ -28,6 +31,16 @@ class ChoiceHome:
     times: int = 0      # how often one was added
 
 
+@dataclass(frozen=True)
+class Move:
+    """What a name of a home gets. Where a choice must hold an alternative for it to be there, `held` asks the choice
+    before the moves, and `holds` the home behind them."""
+    target: str
+    value: AST
+    held: AST | None = None
+    holds: AST | None = None
+
+
 def names_of(home: Any) -> list[str]:
     """All names of a slot's home."""
     if isinstance(home, ChoiceHome):
@@ -37,7 +50,9 @@ def names_of(home: Any) -> list[str]:
 
 def size(home: Any) -> int:
     """How many names and alternatives a home has."""
-    return len(names_of(home)) + (len(home.alternatives) + 1 if isinstance(home, ChoiceHome) else 0)
+    if isinstance(home, ChoiceHome):
+        return 2 + sum(1 + size(h) for _, _, h in home.alternatives)
+    return 1 if isinstance(home, str) else sum(map(size, (home or {}).values()))
 
 
 def _parts(objects: Objects, value: Value) -> list[tuple[Any, Value]] | None:
@@ -106,46 +121,57 @@ def placed(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AST
     return made
 
 
-def moved(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AST) -> list[tuple[str, AST]]:
+def moved(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AST) -> list[Move]:
     """What the names of a home get where the slot holds a value."""
     if home is None:
         return []
     if isinstance(home, ChoiceHome):
         return _moved_choice(ev, objects, value, home, origin)
     if isinstance(home, str):
-        return [(home, tree.copy(value.node))] if isinstance(value, Data) else []
+        return [Move(home, tree.copy(value.node))] if isinstance(value, Data) else []
     return [m for k, v in _parts(objects, value) or [] for m in moved(ev, objects, v, home[k], origin)]
 
 
 def choice_home(ev: Evaluator, had: Any, first: tuple[Objects, Value], new: tuple[Objects, Value], wanted: str,
                 origin: AST) -> ChoiceHome:
     """The home of a slot that holds other things in other rounds: as it was, with what is new."""
+    held = [new] if isinstance(had, ChoiceHome) else [first, new]
+    return _with_alternatives(ev, had, held, wanted, first[0], origin)
+
+
+def _with_alternatives(ev: Evaluator, had: Any, held: Sequence[tuple[Objects, Value]], wanted: str, start: Objects,
+                       origin: AST) -> ChoiceHome:
+    """A home, as it was, with room for these values."""
     known = had if isinstance(had, ChoiceHome) else ChoiceHome(ev.fresh(f"{wanted}_which"), ())
-    before = [(objects, v) for objects, v, _ in known.alternatives] or [first]
-    found, _ = alternatives(ev.heap, [*before, new])
-    homes = [h for _, _, h in known.alternatives]
-    for one in found[len(homes):]:
-        _, objects, value = one.held[0]
-        homes.append(_leaves(ev, objects, value, wanted, first[0], origin))
-    if known.times > MOST:
+    before = [(objects, v) for objects, v, _ in known.alternatives]
+    found, _ = alternatives(ev.heap, [*before, *held])
+    if known.times > MOST or any(
+            len({repr(shape(ev, objects, v)) for _, objects, v in one.held}) > 1 for one in found):
         raise ev.unknown(origin, f"'{wanted}' is another structure in each round")
-    for one in found:
-        if len({repr(shape(ev, objects, v)) for _, objects, v in one.held}) > 1:
-            raise ev.unknown(origin, f"'{wanted}' is another structure in each round")
+    homes = [h for _, _, h in known.alternatives]
+    homes += [None] * (len(found) - len(before))
+    for k, one in enumerate(found):
+        for way, objects, value in one.held:
+            if way >= len(before):
+                homes[k] = _leaves(ev, homes[k], objects, value, wanted, start, origin)
     return ChoiceHome(known.number, tuple((one.held[0][1], one.held[0][2], h) for one, h in zip(found, homes)),
-                      known.times + (len(found) > len(before)))
+                      known.times + (len(found) > max(len(before), 1)))
 
 
-def _leaves(ev: Evaluator, objects: Objects, value: Value, wanted: str, start: Objects, origin: AST
-            ) -> Any:
-    """A name for each number and array of a value; what others hold stays where it is."""
+def _leaves(ev: Evaluator, had: Any, objects: Objects, value: Value, wanted: str, start: Objects, origin: AST) -> Any:
+    """A name for each number and array of a value, as it was found before; what others hold stays where it is."""
+    if isinstance(value, Choice):
+        return _with_alternatives(ev, had, [(objects, value)], wanted, start, origin)
     if isinstance(value, Data):
         if value.is_known and (value.known is None or isinstance(value.known, str)):
             return None
+        if had is not None:
+            return had
         own = value.name if objects is start else ""
         return own if own and own not in ev.leaves and "." not in own and uses(objects, own) == 1 else ev.fresh(wanted)
     if structure(ev.heap, objects, value) is not None:
-        return {k: _leaves(ev, objects, v, f"{wanted}_{k}", start, origin) for k, v in _parts(objects, value) or []}
+        return {k: _leaves(ev, (had or {}).get(k), objects, v, f"{wanted}_{k}", start, origin)
+                for k, v in _parts(objects, value) or []}
     if isinstance(value, Reference) and value.number not in start:
         raise ev.unknown(origin, f"'{wanted}' is an object of one round in another, and has another name there",
                          help="copy what is read of it later")
@@ -156,21 +182,52 @@ def _unbound(objects: Objects, value: Value) -> Iterator[str]:
     """The names in a value that some ways do not bind."""
     if isinstance(value, Data):
         yield from [value.name] if value.may_be_unbound else ()
-    for _, inner in _parts(objects, value) or []:
+    held = [v for _, v in _parts(objects, value) or []]
+    for inner in [value.number, *value.values] if isinstance(value, Choice) else held:
         yield from _unbound(objects, inner)
 
 
 def _moved_choice(ev: Evaluator, objects: Objects, value: Value, home: ChoiceHome, origin: AST
-                  ) -> list[tuple[str, AST]]:
+                  ) -> list[Move]:
     known = [(there, v) for there, v, _ in home.alternatives]
     _, places = alternatives(ev.heap, [*known, (objects, value)])
-    found = [(home.number, tree.copy(number_of(value, places[-1], origin).node))]
+    found = [Move(home.number, tree.copy(number_of(value, places[-1], origin).node))]
     own = zip(value.numbers, value.values) if isinstance(value, Choice) else ((0, value),)
     for number, one in own:
-        moves = moved(ev, objects, one, home.alternatives[places[-1][number]][2], origin)
+        place = places[-1][number]
+        moves = moved(ev, objects, one, home.alternatives[place][2], origin)
         unbound = {*_unbound(objects, one)}
-        if any(isinstance(v, tree.Name) and v.id in unbound - {t} for t, v in moves):
-            raise ev.refusal(origin, "what a loop carries is one of several things, and has other names on each way",
-                             help="bind it in one place of the loop")
-        found += moves
+        held, holds = is_chosen(value, number, origin), _is_held(home, place, origin)
+        for m in moves:
+            if not unbound - {m.target} & {*names(m.value)}:
+                found.append(m)
+            elif held is None:
+                raise ev.refusal(origin, "what a loop carries is one of several things, and has other names on each "
+                                 "way", help="bind it in one place of the loop")
+            else:
+                found.append(replace(m, held=_both(held, m.held), holds=_both(holds, m.holds)))
     return found
+
+
+def _both(test: AST, inner: AST | None) -> AST:
+    """Two tests, of which the inner one may be asked where the first one holds."""
+    return test if inner is None else tree.at(tree.BoolOp(tree.And(), [test, inner]), test)
+
+
+def _is_held(home: ChoiceHome, place: int, origin: AST) -> AST:
+    return tree.at(tree.compare(tree.name(home.number), tree.Eq(), tree.const(place)), origin)
+
+
+def at_once(ev: Evaluator, moves: Sequence[Move], origin: AST) -> list[AST]:
+    """The statements of moves that happen at once; what is there for an alternative only is moved where that holds."""
+    plain, tested = [m for m in moves if m.held is None], [m for m in moves if m.held is not None]
+    written = {m.target for m in moves}
+    before, behind = [], []
+    for m in tested:
+        value = tree.copy(m.value)
+        if written & {*names(value)}:       # which another move overwrites
+            kept = ev.fresh(m.target)
+            before.append(tree.at(tree.If(tree.copy(m.held), [tree.at(tree.assign(kept, value), origin)], []), origin))
+            value = tree.name(kept)
+        behind.append(tree.at(tree.If(tree.copy(m.holds), [tree.at(tree.assign(m.target, value), origin)], []), origin))
+    return [*before, *parallel([(m.target, m.value) for m in plain], origin), *behind]

@@ -18,7 +18,7 @@ from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.control.joined_names import Way, parallel
 from s2sad.evaluate.specialize.control.loop_closed_names import close_names, frames_around, read_outside
 from s2sad.evaluate.specialize.control.loop_homes import (
-    ChoiceHome, choice_home, home_of, moved, names_of, placed, shape, size,
+    ChoiceHome, Move, at_once, choice_home, home_of, moved, names_of, placed, shape, size,
 )
 from s2sad.evaluate.specialize.control.state_joins import Join
 from s2sad.evaluate.specialize.values import (
@@ -239,7 +239,7 @@ def _plain(value: Value) -> Value:
 
 def _at_home(ev: Evaluator, loop: ResidualLoop, prelude: list[AST], origin: AST) -> None:
     """What has a home holds it when a round begins."""
-    moves: list[tuple[str, AST]] = []
+    moves: list[Move] = []
     for (n, key), home in loop.homes.items():
         old = loop.start[n].items.get(key)
         if old is None:         # bound in the loop, and read in a later round
@@ -249,7 +249,7 @@ def _at_home(ev: Evaluator, loop: ResidualLoop, prelude: list[AST], origin: AST)
             raise ev.refusal(origin, f"'{key}' is bound on some ways only before this loop", help="bind it on all")
         moves += moved(ev, loop.start, old, home, origin)
         ev.heap.put(Reference(n), key, placed(ev, loop.start, old, home, origin, ev.heap.objects))
-    prelude += parallel(moves, origin)
+    prelude += at_once(ev, moves, origin)
 
 
 def _moves(ev: Evaluator, loop: ResidualLoop, objects: Objects, origin: AST, kept: dict[str, str]) -> list[AST]:
@@ -257,7 +257,7 @@ def _moves(ev: Evaluator, loop: ResidualLoop, objects: Objects, origin: AST, kep
     of its own (`kept`)."""
     found = [m for (n, key), home in loop.homes.items() if n in objects
              for m in moved(ev, objects, objects[n].items[key], home, origin)]
-    targets = {t for t, v in found if not (isinstance(v, tree.Name) and v.id == t)}
+    targets = {m.target for m in found if not (isinstance(m.value, tree.Name) and m.value.id == m.target)}
     saved = []
     for n, held in list(objects.items()):
         changed = {}
@@ -269,7 +269,7 @@ def _moves(ev: Evaluator, loop: ResidualLoop, objects: Objects, origin: AST, kep
                     changed[key] = renamed(changed.get(key, value), {t: new})
         if changed:
             objects[n] = replace(held, items={**held.items, **changed})
-    return [*parallel(list(dict(saved).items()), origin), *parallel(found, origin)]
+    return [*parallel(list(dict(saved).items()), origin), *at_once(ev, found, origin)]
 
 
 def _settle(ev: Evaluator, loop: ResidualLoop, head: Objects, ends: Sequence[Objects], origin: AST) -> bool:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from typing import Any
 
 from s2sad import tree
@@ -19,7 +20,7 @@ from s2sad.evaluate.specialize.values import (
     UNKNOWN, Choice, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike, count, renamed,
 )
 from s2sad.evaluate.specialize.control.choice_joins import (
-    Alternative, are_functions, chosen_value, decided_again, maybe_unbound,
+    Alternative, are_functions, chosen_value, decided_again, is_chosen, maybe_unbound,
 )
 from s2sad.evaluate.specialize.control.joined_names import Merged, Objects, Way, settled_names
 from s2sad.evaluate.specialize.sparse.matrix_values import KINDS
@@ -92,12 +93,12 @@ class Join:
         """A name that is bound on some ways only: variables of its own, bound there."""
         return self.bound_on([(w, v) for w, v in zip(self.ways, values) if v is not None], wanted)
 
-    def bound_on(self, there: Sequence[tuple[Way, Value]], wanted: str) -> Value:
-        """The value for those of some ways, which the others do not have."""
+    def bound_on(self, there: Sequence[tuple[Way, Value]], wanted: str, tests: Sequence[AST | None] = ()) -> Value:
+        """The value for those of some ways, which the others do not have; `tests` say where a way has it."""
         one = there[0][1]
         inner = [_inner(w.objects, v) for w, v in there]
         if inner[0] is not None and all(i is not None and i[0] == inner[0][0] for i in inner):
-            items = {k: self.bound_on([(w, i[1][k]) for (w, _), i in zip(there, inner) if i], f"{wanted}_{k}")
+            items = {k: self.bound_on([(w, i[1][k]) for (w, _), i in zip(there, inner) if i], f"{wanted}_{k}", tests)
                      for k in inner[0][1]}
             if isinstance(one, TupleValue):
                 return replace(one, items=tuple(items.values()))
@@ -115,23 +116,29 @@ class Join:
         name = data[0][1].name
         if name and all(v.name == name and uses(w.objects, name) == 1 for w, v in data):
             return replace(data[0][1], known=UNKNOWN, may_be_unbound=True)
-        found = self._one_name(data, wanted)
+        found = self._one_name(data, wanted, tests)
         return replace(found, may_be_unbound=True) if isinstance(found, Data) else found
 
-    def _one_name(self, data: Sequence[tuple[Way, Data]], wanted: str) -> Data | Conflict:
-        """A name that all these ways bind; one that may be unbound on some is bound on the others."""
+    def _one_name(self, data: Sequence[tuple[Way, Data]], wanted: str, tests: Sequence[AST | None] = ()
+                  ) -> Data | Conflict:
+        """A name that all these ways bind; one that may be unbound on some is bound on the others, or where a test says
+        that it is bound."""
         partly = {v.name for _, v in data if v.may_be_unbound}
         new = next(iter(partly), "")
         if partly and (len(partly) > 1 or not new or any(
                 uses(w.objects, new) != (v.name == new) for w, v in data) or new in self.ev.leaves):
-            return Conflict(f"'{wanted}' is bound on some ways only")
+            if not all(test or not v.may_be_unbound for (_, v), test in zip_longest(data, tests)):
+                return Conflict(f"'{wanted}' is bound on some ways only")
+            new = self.ev.fresh(wanted)
         if not new and self.merged is not None:
             self.merged.append(Merged(f"?{len(self.merged)}", wanted, data))
             return Data(tree.at(tree.name(self.merged[-1].name), self.origin), is_list=any(v.is_list for _, v in data))
         new = new or self.ev.fresh(wanted)
-        for way, v in data:
+        for (way, v), test in zip_longest(data, tests):
             if v.name != new:
-                way.block.append(tree.at(tree.assign(new, tree.copy(v.node)), self.origin))
+                move = tree.at(tree.assign(new, tree.copy(v.node)), self.origin)
+                way.block.append(tree.at(tree.If(tree.copy(test), [move], []), self.origin) if (
+                    test and v.may_be_unbound) else move)
         return Data(tree.at(tree.name(new), self.origin), may_be_unbound=bool(partly),
                     is_list=any(v.is_list for _, v in data))
 
@@ -174,7 +181,8 @@ class Join:
             first = one.held[0][2]
             if all(alike(first, v) for _, _, v in one.held):
                 return first if len(one.held) == len(self.ways) else self._on_some(first)
-            return self.bound_on([(there[w][0], v) for w, _, v in one.held], wanted)
+            return self.bound_on([(there[w][0], v) for w, _, v in one.held], wanted, [
+                is_chosen(there[w][1], j, self.origin) for (w, _, _), j in zip(one.held, one.numbers)])
 
         def number(numbers: Sequence[Data]) -> Value:
             if len(numbers) == len(self.ways):
