@@ -310,7 +310,7 @@ class ProgramVersion:
         text = quiet(variant.generated.text)
         guards = tuple(variant.generated.facts.get("guards", ()))
         module = compiled(text, variant.generated.entry, bounds=True, user_functions=bool(self.registered),
-                          guards=guards)
+                          guards=guards, entries=[variant.generated.entry])
         keep_loaded(module, self)
         function = getattr(module, variant.generated.entry)
         copies = dict(zip(self.parameters, self.with_private_copies(values, types)))

@@ -75,7 +75,10 @@ class Executable:
         plain = tuple(generated.facts.get("wrappers", ()))
         moving = bool(registered) or generated.facts.get("moving", False)
         guards = tuple(generated.facts.get("guards", ()))
-        module = (compiled(generated.text, generated.entry, plain=plain, user_functions=moving, guards=guards)
+        facts = generated.facts
+        entries = [facts[k] for k in ("taped", "forward") if facts.get(k)] + [generated.entry]
+        module = (compiled(generated.text, generated.entry, plain=plain, user_functions=moving, guards=guards,
+                           entries=entries)
                   if engine == "numba" else load(generated.text, generated.entry, own=bool(registered), guards=guards))
         self.failures = ExceptionMeanings(generated.facts, str(module.__file__), kernel)
         keep_loaded(module, self)

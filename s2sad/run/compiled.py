@@ -24,6 +24,7 @@ from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError, warn_once
 from s2sad.run.progress import Working
+from s2sad.run.internal_functions import options
 from s2sad.run.interrupts import interruptible
 from s2sad.run.interpreter import DTYPES, interpreted
 from s2sad.run.module_loader import load
@@ -70,8 +71,9 @@ def bounds_checked() -> Iterator[None]:
 
 
 def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ...] = (),
-             user_functions: bool = False, guards: Collection[int] = ()) -> ModuleType:
-    """The module of `text` with its functions compiled (lazily, when first called); those in `plain` are left.
+             user_functions: bool = False, guards: Collection[int] = (), entries: Collection[str] = ()) -> ModuleType:
+    """The module of `text` with its functions compiled (lazily, when first called); those in `plain` are left. Python
+    calls those in `entries` (all of them if it is empty).
 
     With `user_functions` it imports functions of the user: these are compiled too, and nothing is kept on disk, for
     the text stays the same when they change. Nor is a module that calls what the interpreter runs, which lives as
@@ -87,7 +89,8 @@ def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ..
             if not isinstance(value, FunctionType) or identifier in plain:
                 continue
             if value.__module__ == module.__name__:
-                space[identifier] = _jit(value, bounds, on_disk=on_disk)
+                internal = bool(entries) and identifier not in entries and not user_functions
+                space[identifier] = _jit(value, bounds, on_disk=on_disk, internal=internal)
             elif (value.__module__ or "").startswith(_RUNTIME):
                 space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
             elif user_functions:
@@ -161,14 +164,14 @@ def interpreting() -> None:
 
 
 def _jit(function: FunctionType, bounds: bool, on_disk: bool, fastmath: bool | set[str] = False,
-         inline: bool = False) -> Any:
+         inline: bool = False, internal: bool = False) -> Any:
     if _is_interpreted(function):
         return interpreted(function)
     numba = importlib.import_module("numba")
     flags = {"error_model": "numpy", "boundscheck": bounds, "nogil": True, "fastmath": fastmath,
-             "forceinline": inline}
+             "forceinline": inline, **options()[internal]}
     dispatcher = numba.njit(**flags)(function)
-    return stored(dispatcher, function.__module__) if on_disk else dispatcher
+    return stored(dispatcher, function.__module__) if on_disk and not internal else dispatcher
 
 
 def _is_interpreted(value: Any) -> bool:
@@ -190,7 +193,7 @@ def _runtime(module_name: str, bounds: bool) -> dict[str, Any]:
             copy.__qualname__, copy.__module__ = value.__qualname__, value.__module__
             fastmath = {"reassoc"} if identifier in _ANY_ORDER else False
             run = value if _is_interpreted(value) else copy     # the interpreter calls nothing that is compiled
-            space[identifier] = through_python(value) or _jit(run, bounds, False, fastmath, inline)
+            space[identifier] = through_python(value) or _jit(run, bounds, False, fastmath, inline, internal=True)
         elif (value.__module__ or "").startswith(_RUNTIME):
             space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
     return space

@@ -51,7 +51,7 @@ class Check:
             return ()
         shared = self.exact(arrays)
         if self.left == 0:
-            self.quick = keep_loaded(compiled(self._text(), "check"), self).check
+            self.quick = keep_loaded(compiled(self._text(), "check", entries=["check"]), self).check
             prepare(self.quick, tuple(arrays), "the argument check")
         self.left -= self.left >= 0
         return shared

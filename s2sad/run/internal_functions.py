@@ -1,0 +1,108 @@
+"""internal_functions: compiled functions that compiled code alone calls, as C's static functions.
+
+Numba generates machine code for every function by itself, with all that it calls and with wrappers for Python, and
+again in each function that calls it. An internal function is only linked into its callers: what Python calls is
+optimized once, with all that it consists of.
+"""
+from __future__ import annotations
+
+import ctypes
+import importlib
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any
+
+_PARTS = {"numba.core.codegen": ("JITCodeLibrary",), "numba.core.compiler": ("CompilerBase", "DefaultPassBuilder"),
+          "numba.core.compiler_machinery": ("register_pass",), "numba.core.typed_passes": ("NativeLowering",),
+          "numba._dynfunc": ("make_function",)}
+
+
+@lru_cache(maxsize=1)
+def options() -> tuple[dict[str, Any], dict[str, Any]]:
+    """The options of `njit` for functions that Python calls, and for internal ones; none under a Numba that does not
+    have what this takes."""
+    try:
+        for module, names in _PARTS.items():
+            for name in names:
+                getattr(importlib.import_module(module), name)
+    except (ImportError, AttributeError):
+        return {}, {}
+    compiler = _compiler()
+    called = {"no_cfunc_wrapper": True, "pipeline_class": compiler}
+    return called, {**called, "no_cpython_wrapper": True}
+
+
+def _compiler() -> type:
+    """Numba's compiler with libraries that leave internal functions without machine code."""
+    codegen, compiler, machinery, passes = (importlib.import_module(f"numba.{name}") for name in (
+        "core.codegen", "core.compiler", "core.compiler_machinery", "core.typed_passes"))
+
+    class Library(codegen.JITCodeLibrary):
+        """The code of one function, with the environments of internal ones that are linked into it."""
+        internal = False
+
+        def __init__(self, *arguments: Any):
+            super().__init__(*arguments)
+            self.environment: tuple[str, Any] | None = None
+
+        def _optimize_final_module(self) -> None:
+            if not self.internal:
+                super()._optimize_final_module()
+
+        def _finalize_final_module(self) -> None:
+            if self.internal:
+                self._finalize_dynamic_globals()
+                self._finalized = True
+                return
+            super()._finalize_final_module()
+            for name, environment in self.linked_environments():
+                if self._codegen._engine.is_symbol_defined(name):
+                    self._codegen.set_env(name, environment)
+
+        def linked_environments(self) -> Iterator[tuple[str, Any]]:
+            """The environments of internal functions that are linked into this one, directly or not."""
+            seen, waiting = set(), list(self._linking_libraries)
+            while waiting:
+                library = waiting.pop()
+                if isinstance(library, Library) and library.internal and library not in seen:
+                    seen.add(library)
+                    waiting += library._linking_libraries
+                    if library.environment is not None:
+                        yield library.environment
+
+    @machinery.register_pass(mutates_CFG=True, analysis_only=False)
+    class Lowering(passes.NativeLowering):
+        """Numba's, into such a library."""
+        _name = "s2sad_native_lowering"
+
+        def run_pass(self, state: Any) -> bool:
+            library = state.library = Library(state.targetctx.codegen(), state.func_id.func_qualname)
+            library.enable_object_caching()
+            library.internal = state.flags.no_cpython_wrapper
+            if library.internal:
+                state.targetctx = state.targetctx.subtarget(get_executable=_without_code(state.targetctx))
+            return super().run_pass(state)
+
+    class Compiler(compiler.CompilerBase):
+        """Numba's passes with this one in place of its own."""
+
+        def define_pipelines(self) -> list[Any]:
+            made = compiler.DefaultPassBuilder.define_nopython_pipeline(self.state)
+            made.passes = [(Lowering if each is passes.NativeLowering else each, title) for each, title in made.passes]
+            made._finalized = False
+            made.finalize()
+            return [made]
+    return Compiler
+
+
+def _without_code(context: Any) -> Any:
+    """What gives Python a function that has no machine code: it raises TypeError. Its environment is for what calls
+    it."""
+    make = importlib.import_module("numba._dynfunc").make_function
+    raising = ctypes.cast(ctypes.pythonapi.PyErr_BadArgument, ctypes.c_void_p).value
+
+    def get_executable(library: Any, description: Any, environment: Any) -> Any:
+        library.environment = context.get_env_name(description), environment
+        return make(description.lookup_module(), description.qualname.rpartition(".")[2], "an internal function",
+                    raising, environment, (library,))
+    return get_executable
