@@ -1,8 +1,9 @@
 """analyze: what must be differentiated, what must be recorded, and where recorded values come back.
 
-In comes a kernel in normal form and a request; out goes the same tree, and a table from each analysis in its context
+In comes a kernel in normal form and a request; out goes the tree, and a table from each analysis in its context
 (`AnalysisContext`), in this order:
 
+    named_choices           for an adjoint: names for what decides choices, in another tree
     program_structure       where each statement stands
     activity                what carries a derivative from an input to an output
     unsupported_derivatives refuses what a derivative of the user's own does not give
@@ -18,6 +19,7 @@ from __future__ import annotations
 from s2sad.analyze.activity import activity
 from s2sad.analyze.commuting_iterations import commuting_iterations
 from s2sad.analyze.context import AnalysisContext
+from s2sad.analyze.named_choices import named_choices
 from s2sad.analyze.program_structure import program_structure
 from s2sad.analyze.to_be_recorded import to_be_recorded
 from s2sad.analyze.unbounded_values import unbounded_values
@@ -40,6 +42,7 @@ ACTIVITY: Passes = (
     Pass(unbounded_values),
 )
 PASSES: Passes = (
+    Pass(named_choices, when=backwards),
     *ACTIVITY,
     Pass(to_be_recorded, when=backwards),
     Pass(commuting_iterations, when=backwards_in_loops),

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem
     from s2sad.analyze.request import DerivativeRequest
     from s2sad.analyze.unbounded_values import UnboundedValues
+    from s2sad.analyze.uses import Choices
 
 
 class CallFacts(Protocol):
@@ -35,6 +36,7 @@ class AnalysisContext(Context):
     mode: str                       # "adjoint" or "tangent"
     calls: CallFacts
     derive: Derive                  # makes the derivative of a callee
+    choices: Choices = field(default_factory=dict)
     structure: ProgramStructure = field(init=False)
     activity: Activity = field(init=False)
     unbounded: UnboundedValues = field(init=False)

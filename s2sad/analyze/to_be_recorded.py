@@ -60,7 +60,7 @@ def _problem(context: AnalysisContext, halves: frozenset[int]) -> RecordingProbl
             call_uses(statement, typing, callee, found)
 
     def reads_of(statement: AST) -> OperandUses:
-        return uses(statement, typing, active, of_call)
+        return uses(statement, typing, active, of_call, context.choices)
 
     def writes(statement: AST) -> list[AST]:
         if is_reallocation(structure, statement):

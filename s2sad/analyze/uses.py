@@ -5,7 +5,7 @@ operands that are active. Linear uses need nothing. (Hascoet, Naumann, Pascual, 
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from s2sad import rules
@@ -15,8 +15,11 @@ from s2sad.rules.operation import operation
 from s2sad.rules.rule import RESULT, Rule
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, BoolOp, Call, Compare, Constant, IfExp, Name, Subscript, call_name, children,
-    indices, user_call, walk,
+    indices, name, user_call, walk,
 )
+
+Choices = Mapping[tuple[int, str], str]
+"""By the `id` of an operation and a parameter: the name of what decides whether its operand is taken."""
 
 
 @dataclass
@@ -84,11 +87,20 @@ def sources(node: AST, typing: Typing) -> Iterator[str]:
 
 
 class DerivativeFlow:
-    """Through which expressions of a function a derivative flows; each is looked at once."""
+    """Through which expressions of a function a derivative flows, each looked at once, and with which partials."""
 
-    def __init__(self, typing: Typing, active: frozenset[str] | set[str]):
-        self.typing, self.active = typing, active
+    def __init__(self, typing: Typing, active: frozenset[str] | set[str], choices: Choices | None = None):
+        self.typing, self.active, self.choices = typing, active, choices or {}
         self._known: dict[AST, bool] = {}       # by identity
+
+    def partial(self, node: AST, rule: Rule, parameter: str, operands: Mapping[str, AST], result: AST | None) -> AST:
+        """The partial of an operation, whose value `result` holds if there is one; choices ask by their names."""
+        partial = rule.partial(parameter, operands, node if result is None else result)
+        held = self.choices.get((id(node), parameter))
+        if held is None:
+            return partial
+        assert isinstance(partial, Call) and rule.chooses(parameter)
+        return Call(partial.func, [name(held), *partial.args[1:]], [])
 
     def through(self, node: AST) -> bool:
         if isinstance(node, Name):
@@ -132,7 +144,7 @@ def reads_own_result(statement: AST) -> bool:
 
 
 def uses(statement: AST, typing: Typing, active: frozenset[str],
-         call_uses: Callable[[AST, OperandUses], None]) -> OperandUses:
+         call_uses: Callable[[AST, OperandUses], None], choices: Choices | None = None) -> OperandUses:
     """What the adjoint of a simple statement, a whole-array statement or a call reads."""
     found = OperandUses()
     if not isinstance(statement, (Assign, AugAssign)) or user_call(statement.value):
@@ -144,7 +156,7 @@ def uses(statement: AST, typing: Typing, active: frozenset[str],
         return found
     found.place(target, typing)
     _pull(statement.value, target if isinstance(target, Name) or reads_own_result(statement) else None,
-          DerivativeFlow(typing, active), found)
+          DerivativeFlow(typing, active, choices), found)
     return found
 
 
@@ -164,11 +176,7 @@ def _pull(node: AST, result: AST | None, flow: DerivativeFlow, found: OperandUse
     for parameter, operand in operands.items():
         if parameter in rule.zero or not flow.through(operand):
             continue
-        for free in sorted(rule.uses(parameter, operands)):
-            if free != RESULT:
-                found.value(operands[free], typing)
-            else:
-                found.value(node if result is None else result, typing)
+        found.value(flow.partial(node, rule, parameter, operands, result), typing)
         _pull(operand, None, flow, found)
 
 

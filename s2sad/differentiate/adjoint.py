@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from s2sad.blocks import returned_values, with_blocks
 from s2sad.liveness import base_name, targets
-from s2sad.analyze.uses import reads_own_result
+from s2sad.analyze.uses import DerivativeFlow, reads_own_result
 from s2sad.differentiate.arithmetic import Term
 from s2sad.analyze.callee_derivatives import is_kernel_call
 from s2sad.differentiate.trip_counters import TripCounters
@@ -67,7 +67,7 @@ class _Adjoint(Shadows):
                                     self.plan.halves)
         self.sweeps = Sweeps(self.structure, self.plan, self.tape, self.free, self.statement, self.zeros, self.shapes,
                              context.family, self.halves.forward_call)
-        self.pullback = Pullback(self.typing, self.active, self.free, self.bind, self.shapes,
+        self.pullback = Pullback(DerivativeFlow(self.typing, self.active, context.choices), self.bind, self.shapes,
                                  ZeroLaw(self.bounds, self.flag(context)))
         self.parameters = [p.id for p in self.structure.function.args.args]
         self.written = {base_name(t) for s in walk_statements(self.structure.function.body)

@@ -18,7 +18,6 @@ from s2sad.differentiate.zero_law import ZeroLaw
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import ONE
 from s2sad.infer.shapes import Shapes, shape_expression
-from s2sad.naming import Names
 from s2sad.rules.array import RESULT, SEED
 from s2sad.rules.complexes import HOLOMORPHIC
 from s2sad.rules.rule import Rule, number
@@ -57,11 +56,8 @@ class Pullback:
     `bind(base, like)` allocates a name for a shared seed and types it as the expression `like`.
     """
 
-    def __init__(self, typing: Typing, active: frozenset[str], free: Names, bind: Callable[[str, AST], str],
-                 shapes: Shapes, zero_law: ZeroLaw):
-        self.typing, self.free, self.bind, self.shapes = typing, free, bind, shapes
-        self.zero_law = zero_law
-        self.flow = DerivativeFlow(typing, active)
+    def __init__(self, flow: DerivativeFlow, bind: Callable[[str, AST], str], shapes: Shapes, zero_law: ZeroLaw):
+        self.typing, self.flow, self.bind, self.shapes, self.zero_law = flow.typing, flow, bind, shapes, zero_law
         self._leaves: dict[AST, int] = {}       # by identity
 
     def increments(self, node: AST, seed: Term, result: AST | None = None, region: AST | None = None) -> Increments:
@@ -85,7 +81,7 @@ class Pullback:
         assert operation is not None
         rule, operands = operation
         flowing = [p for p, o in operands.items() if p not in rule.zero and self.flow.through(o)]
-        partials = {p: rule.partial(p, operands, node if result is None else result) for p in flowing}
+        partials = {p: self.flow.partial(node, rule, p, operands, result) for p in flowing}
         tested = {p for p in flowing if self.zero_law.tests_seed(rule, p, operands)}
         if len(flowing) > 1 or tested:
             seed = self.bind_seed(node, seed, found, len(flowing) > 1)
@@ -278,7 +274,7 @@ class Pushforward:
             inner = None if parameter in rule.zero else self.tangent(operand)
             if inner is None:
                 continue
-            partial = rule.partial(parameter, operands, node if result is None else result)
+            partial = self.flow.partial(node, rule, parameter, operands, result)
             whole = self.typing.of(node).is_array
             partial = partial if whole else scalar_choices(partial)
             if number(partial) == 0:        # whatever the tangent is

@@ -82,7 +82,7 @@ def _unbroken(recorded: StackEntry) -> str:
 
 
 def _recorded(derived: UnitDerivative, key: str, stack: Stack) -> StackEntry:
-    plan, places = derived.plan, derived.unit.structure.places
+    plan, places = derived.plan, derived.structure.places
     assert plan is not None
     family, source = derived.unit.family, derived.unit.kernel.source
     readers = tuple(plan.readers.get(key, ()))
@@ -102,7 +102,7 @@ def _recorded(derived: UnitDerivative, key: str, stack: Stack) -> StackEntry:
     elif key in (saved := {s.key: s for s in plan.snapshots}):
         statement, variable = saved[key].loop, saved[key].array
         what = f"{variable} where an iteration of `{text_of(statement, source, _LONGEST)}` begins"
-        readers = tuple(x.statement for x in derived.unit.structure.inner[id(statement)])
+        readers = tuple(x.statement for x in derived.structure.inner[id(statement)])
     elif key.startswith("size "):
         statement = places[int(key.split()[1])].statement
         variable = base_name(statement.targets[0])

@@ -263,6 +263,6 @@ def _primal(block: list[AST], derived: UnitDerivative) -> Iterator[tuple[int, in
 
 def _loops(derived: UnitDerivative) -> Iterator[FoundPlace]:
     if derived.plan is not None:
-        for place in derived.unit.structure.places.values():
+        for place in derived.structure.places.values():
             if id(place.statement) in derived.plan.rerun:
                 yield place_of(place.statement, derived.unit)

@@ -11,6 +11,7 @@ from s2sad.analyze.activity import Activity, activity_of
 from s2sad.analyze.kept_tapes import array_weight
 from s2sad.analyze.live_state import live_state
 from s2sad.analyze.callee_derivatives import ActivityPattern, CalleeDerivative, activity_pattern
+from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.recording_plan import RecordingPlan
 from s2sad.analyze.request import DerivativeRequest
 from s2sad.analyze.unbounded_values import UnboundedValues, unbounded_values_of
@@ -53,6 +54,7 @@ class UnitDerivative:
     activity: Activity
     types: dict[str, Type]
     request: DerivativeRequest
+    structure: ProgramStructure                     # of the tree that was differentiated, which the plan is for
     plan: RecordingPlan | None = None
     beside: tuple[FunctionDef, ...] = ()
     forward: FunctionDef | None = None              # the augmented primal, if `function` is the reverse sweep alone,
@@ -175,7 +177,7 @@ class Units(NormalForms):
         callee = replace(self._callee(made, request, typing), forward=f"user.{forward.name}",
                          results=len(loop.outputs))
         return UnitDerivative(callee, made.function, made, unit, context.activity, dict(typing.table), request,
-                              RecordingPlan(), (forward,))
+                              context.structure, RecordingPlan(), (forward,))
 
     def _runs_forwards(self, title: str) -> bool:
         """Whether a function is an adjoint that runs a part of its primal, or calls one, or is no adjoint."""
@@ -257,7 +259,8 @@ class Units(NormalForms):
             self.forwards[unit.title] = half
             self.effects.table[half] = Effect(plain.arrays, plain.writes, plain.pure, plain.arrays)
         return UnitDerivative(made.callee, made.made.function, made.made, unit, self.activity(unit, request),
-                              made.types, request, RecordingPlan() if mode == "adjoint" else None, made.beside)
+                              made.types, request, unit.structure, RecordingPlan() if mode == "adjoint" else None,
+                              made.beside)
 
     def residual(self, unit: Unit) -> Residual | None:
         """The residual of an implicit function, for its types; None for any other function."""
@@ -279,7 +282,7 @@ class Units(NormalForms):
         made, typing, plan, request = found.derivative, found.typing, found.plan, found.request
         function = self._shortened(unit, function, found, self._live_out(made, typing, plan is None))
         return UnitDerivative(self._callee(made, request, typing), function, made, unit, found.activity,
-                              dict(typing.table), request, plan)
+                              dict(typing.table), request, found.structure, plan)
 
     def _separated(self, unit: Unit, adjoint: FunctionDef, found: DifferentiationContext) -> UnitDerivative:
         """The two sweeps as two functions, each after the passes of `simplify`."""
@@ -296,8 +299,8 @@ class Units(NormalForms):
         made.parameters = [*((e.name, "tape", e.name) for e in tape), *given]
         plain = function(plain.name, [n for n, _, _ in made.parameters], plain.body)
         derived = UnitDerivative(CalleeDerivative(f"user.{plain.name}", (), (), (), (), ()), plain, made, unit,
-                                 found.activity, dict(typing.table), request, found.plan, (), forward, tape,
-                                 tuple(sweeps.equal_sizes([e.name for e in tape])))
+                                 found.activity, dict(typing.table), request, found.structure, found.plan, (), forward,
+                                 tape, tuple(sweeps.equal_sizes([e.name for e in tape])))
         if request.halves:
             derived.callee = self._halves(derived, typing, sweeps)
         return derived

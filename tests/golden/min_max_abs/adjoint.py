@@ -18,12 +18,13 @@ def kernel_adjoint(y, y_bar, x, x_bar, top):
     top_bar = 0.0
     for i in range(x.size - 1, -1, -1):
         # y[i] = min(max(x[i], 0.1), top) * abs(x[i])
+        taken = top < max(x[i], 0.1)
         seed = y_bar[i]
         y_bar[i] = 0.0
         seed_2 = abs(x[i]) * seed
         x_bar[i] += (
-            (0.0 if 0.1 > x[i] else 0.0 if top < max(x[i], 0.1) else seed_2) +
+            (0.0 if 0.1 > x[i] else 0.0 if taken else seed_2) +
             np.sign(x[i]) * (min(max(x[i], 0.1), top) * seed)
         )
-        top_bar += seed_2 if top < max(x[i], 0.1) else 0.0
+        top_bar += seed_2 if taken else 0.0
     return (top_bar,)
