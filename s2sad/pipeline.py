@@ -35,7 +35,7 @@ from s2sad.evaluate.specialize import specialize
 from s2sad.live_objects.guards import recording
 from s2sad.read import of_captured
 from s2sad.program import (
-    DemandedFacts, EntrySummary, Generated, MemoryLimit, Parameter, Program, RecordedArray, Request, SnapshotLoop,
+    DemandedFacts, EntrySummary, Generated, Parameter, Program, RecordedArray, Request, SnapshotLoop,
     Snapshots,
 )
 from s2sad.run.user_functions_in_numba import compilable
@@ -76,11 +76,12 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     `watch(stage, function)` is shown every function after every pass; `forms` are the program's normal forms that were
     made before, and take those that are made now.
     """
-    if isinstance(request.checkpoint, MemoryLimit):
+    if request.recording.limit:
         raise S2sadError(Diagnostic("S408", "a limit for the memory chooses loops by the sizes of arguments, which are "
                                     "not known here", help="name the loops that keep snapshots, and how many: k=20"))
-    keep = loops_that_keep(program, request.checkpoint) if request.mode == "adjoint" else {}
+    keep = loops_that_keep(program, request.recording.loops) if request.mode == "adjoint" else {}
     units, unit = entry(program, request.types, request.engine, watch, forms, keep)
+    units.memory = request.recording.memory
     if request.engine == "numba":
         compilable(units)
     if request.mode == "primal":

@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeVar
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from s2sad.diagnostics import S2sadError, Source, Span
 from s2sad.infer.types import Type
@@ -169,11 +169,21 @@ class Snapshots:
 Checkpoints = tuple[tuple[str, Snapshots], ...]     # loops as the user calls them
 
 
+Economy = Literal["least", "balanced", "fastest"]
+
+
 @dataclass(frozen=True)
-class MemoryLimit:
-    """The bytes that a call may take beside its arguments, within which loops and their snapshots are chosen, once
-    sizes are known."""
-    bytes: int
+class Recording:
+    """How an adjoint has again what is overwritten: the `loops` that keep snapshots, or the bytes that a call may take
+    beside its arguments, within which loops are chosen once sizes are known (`limit`, 0 for none); and what counts
+    where `memory` costs time."""
+    loops: Checkpoints = ()
+    limit: int = 0
+    memory: Economy = "balanced"
+
+    def keeping(self, loops: Checkpoints) -> Recording:
+        """The same where these loops keep snapshots."""
+        return replace(self, loops=loops, limit=0)
 
 
 @dataclass(frozen=True)
@@ -182,8 +192,7 @@ class Request:
 
     `wrt` and `of` are names of parameters; `of` may hold "return". `engine` is "numpy" or "numba", `level`
     "plain" or "fast". `with_primal` also returns the primal's result. `assumed` has a reason for every parameter whose
-    type is an assumption; `checkpoint` has the loops that keep snapshots, or a limit by which they are chosen for each
-    call. With `split` the two sweeps of the adjoint are two functions.
+    type is an assumption; `recording` is an adjoint's. With `split` the two sweeps of the adjoint are two functions.
     """
     mode: str
     types: tuple[Type, ...]
@@ -194,7 +203,7 @@ class Request:
     with_primal: bool = False
     standalone: bool = False
     assumed: tuple[tuple[str, str], ...] = ()
-    checkpoint: Checkpoints | MemoryLimit = ()
+    recording: Recording = Recording()
     split: bool = False
 
 

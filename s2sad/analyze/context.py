@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 from s2sad.passes import Context
+from s2sad.program import Economy
 from s2sad.tree import AST, Call
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ class AnalysisContext(Context):
     calls: CallFacts
     derive: Derive                  # makes the derivative of a callee
     choices: Choices = field(default_factory=dict)
+    memory: Economy = "balanced"
     structure: ProgramStructure = field(init=False)
     activity: Activity = field(init=False)
     unbounded: UnboundedValues = field(init=False)

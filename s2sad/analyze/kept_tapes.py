@@ -6,16 +6,19 @@ little beside another; where the tapes of many would add up, they run again.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 
 from s2sad.analyze.callee_derivatives import CalleeDerivative, is_kernel_call
 from s2sad.analyze.program_structure import StatementPlace, is_simple
 from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem
 from s2sad.infer.types import Type
+from s2sad.program import Economy
 from s2sad.tree import AST
 
-_MORE = 5 / 4   # so many times the memory may be taken that all calls take as one function each
+_MORE: Mapping[Economy, float] = {"least": 1, "balanced": 5 / 4, "fastest": inf}
+"""How many times the memory may be taken that all calls take as one function each."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +51,10 @@ def may_keep(place: StatementPlace, problem: RecordingProblem) -> bool:
         statement, problem.structure.typing)
 
 
-def with_kept_tapes(plan: RecordingPlan, calls: Sequence[TapedCall],
+def with_kept_tapes(plan: RecordingPlan, calls: Sequence[TapedCall], memory: Economy,
                     planned: Callable[[frozenset[int]], RecordingPlan]) -> RecordingPlan:
     """The plan in which calls keep their tapes: all of them, else those that memory is there for, last ones first."""
-    most = _MORE * (plan.weight + peak(calls, ()))
+    most = _MORE[memory] * (plan.weight + peak(calls, ()))
     chosen: frozenset[int] = frozenset()
     every = frozenset(id(c.statement) for c in calls)
     for more in (every, *(frozenset([id(c.statement)]) for c in reversed(calls) if len(calls) > 1)):

@@ -13,7 +13,9 @@ iteration.
 """
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
+from math import inf
 
 from s2sad.analyze.callee_derivatives import CalleeDerivative, call_adjoint, call_uses, is_kernel_call
 from s2sad.analyze.context import AnalysisContext
@@ -29,18 +31,22 @@ from s2sad.analyze.work_arrays import refilled_in_loops
 from s2sad.infer.inference import Typing
 from s2sad.liveness import base_name, targets
 from s2sad.normalize.loops.hoist_allocations import is_allocation
+from s2sad.program import Economy
 from s2sad.tree import AST, Assign, AugAssign, For, FunctionDef, Return, const, index, name
 
-_WORTH = 2  # the forward sweep runs the loop as well if numbers or elements flow: so much less must be recorded
+_WORTH: Mapping[Economy, float] = {"least": 5 / 4, "balanced": 2, "fastest": inf}
+"""How many times less must be recorded where the forward sweep runs the loop as well, for numbers or elements flow."""
 
 
 def to_be_recorded(function: FunctionDef, context: AnalysisContext) -> None:
     """Leaves the plan in `context.plan`, and the problem that it solves in `context.problem`."""
     context.problem = _problem(context, frozenset())
-    context.plan = recording_plan(context.problem)
+    memory = context.memory
+    context.plan = recording_plan(context.problem, memory)
     calls = taped_calls(context.problem, lambda statement: _adjoint_of(statement, context, True))
     if calls:
-        context.plan = with_kept_tapes(context.plan, calls, lambda halves: recording_plan(_problem(context, halves)))
+        context.plan = with_kept_tapes(context.plan, calls, memory,
+                                       lambda halves: recording_plan(_problem(context, halves), memory))
         context.problem = _problem(context, context.plan.halves)
 
 
@@ -92,10 +98,10 @@ def has_adjoint(statement: AST, typing: Typing, active: frozenset[str]) -> bool:
     return base_name(target) in active and typing.of(target).is_inexact
 
 
-def recording_plan(problem: RecordingProblem) -> RecordingPlan:
+def recording_plan(problem: RecordingProblem, memory: Economy) -> RecordingPlan:
     """The plan of least weight found: loops are tried for running again, outermost first, then carried numbers for
     being read from another record."""
-    plan = rerun_plan(problem)
+    plan = rerun_plan(problem, memory)
     shifts = {k: s for k, v in plan.recorded.items() if (s := shift_of(v, plan, problem)) is not None}
     if shifts:
         other = plan_for(problem, plan.rerun, plan.snapshots, shifts)
@@ -103,25 +109,25 @@ def recording_plan(problem: RecordingProblem) -> RecordingPlan:
     return plan
 
 
-def rerun_plan(problem: RecordingProblem) -> RecordingPlan:
+def rerun_plan(problem: RecordingProblem, memory: Economy) -> RecordingPlan:
     """The plan of least weight in which loops run again."""
     plan = plan_for(problem, frozenset(), ())
     for place in sorted(problem.structure.places.values(), key=lambda p: p.order):
         loop = place.statement
         if isinstance(loop, For) and plan.weight and not any(id(x) in plan.rerun for x in place.loops):
-            plan = _lighter(plan, loop, problem)
+            plan = _lighter(plan, loop, problem, memory)
     return plan
 
 
-def _lighter(plan: RecordingPlan, loop: For, problem: RecordingProblem) -> RecordingPlan:
+def _lighter(plan: RecordingPlan, loop: For, problem: RecordingProblem, memory: Economy) -> RecordingPlan:
     """The plan, or the one in which a loop runs again as well, if that is worth it."""
     arrays = snapshot_arrays(loop, problem)
     if arrays is None:
         return plan
     flows = bool(arrays) or carries(loop, problem.structure)
-    if flows and is_expensive(loop, problem.structure):
+    if flows and (memory == "fastest" or memory == "balanced" and is_expensive(loop, problem.structure)):
         return plan
-    worth = _WORTH if flows else 1
+    worth = _WORTH[memory] if flows else 1
     if worth * sum(weight_of(Snapshot(loop, array), problem.structure) for array in arrays) >= plan.weight:
         return plan
     snapshots = (*plan.snapshots, *(Snapshot(loop, array) for array in arrays))

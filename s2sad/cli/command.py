@@ -19,10 +19,10 @@ from s2sad.cli.parser import COMMANDS, RUNNING, command_parser
 from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.assumed_types import Assumed
-from s2sad.interface.checkpoint_argument import checkpoints_of
+from s2sad.interface.recording_arguments import recording_of
 from s2sad.interface.pytrees.file_programs import Said, file_program, flat_spelled
 from s2sad.interface.pytrees.spelled_types import flat_names, parse_form, split_list
-from s2sad.program import Checkpoints, Fact, MemoryLimit, Program, Request, Snapshots
+from s2sad.program import Fact, Program, Recording, Request, Snapshots
 from s2sad.report.argument_literals import evaluate_arguments, flat_values, form_of_literal
 from s2sad.report.bench import bench
 from s2sad.report.cache_contents import clear_cache, describe_cache
@@ -182,7 +182,7 @@ def _request(parser: argparse.ArgumentParser, program: Program, options: argpars
     mode = "tangent" if options.command == "tangent" else getattr(options, "mode", "adjoint")
     reasons = tuple((p, found[p].reason) for p in kernel.parameters if found[p].reason)
     request = Request(mode, types, wrt, of, engine, options.level, standalone=options.standalone, assumed=reasons,
-                      checkpoint=_checkpoint_option(parser, options.checkpoint), split=options.split)
+                      recording=_recording_options(parser, options), split=options.split)
     return program, request, found, paths
 
 
@@ -198,11 +198,11 @@ def _listed(names: str | None) -> tuple[str, ...] | None:
     return None if names is None else tuple(n.strip() for n in names.split(",") if n.strip())
 
 
-def _checkpoint_option(parser: argparse.ArgumentParser, text: str | None) -> Checkpoints | MemoryLimit:
-    """What `--checkpoint "k=20, advance.k=10@/scratch"` says, or `"1 GB"`."""
-    found = {}
+def _recording_options(parser: argparse.ArgumentParser, options: argparse.Namespace) -> Recording:
+    """What `--memory` and `--checkpoint "k=20, advance.k=10@/scratch"` say, or `"1 GB"`."""
+    text, found = options.checkpoint, {}
     if text is not None and "=" not in text and text.strip()[:1].isdecimal():
-        return checkpoints_of(int(text) if text.strip().isdecimal() else text)
+        return recording_of(int(text) if text.strip().isdecimal() else text, options.memory)
     for part in _listed(text) or ():
         loop, sign, snapshots = part.partition("=")
         count, disk, folder = snapshots.partition("@")
@@ -210,7 +210,7 @@ def _checkpoint_option(parser: argparse.ArgumentParser, text: str | None) -> Che
             parser.error(f"--checkpoint: '{part}' is not LOOP=NUMBER or LOOP=NUMBER@FOLDER, as k=20, advance.k=20, "
                          "line 14=20 or k=20@/scratch")
         found[loop.strip()] = Snapshots(int(count), folder.strip() or None)
-    return checkpoints_of(found)
+    return recording_of(found, options.memory)
 
 
 def _types_option(parser: argparse.ArgumentParser, text: str) -> Said:

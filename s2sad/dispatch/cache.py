@@ -25,7 +25,7 @@ from s2sad.dispatch.split_executable import SplitExecutable
 from s2sad.live_objects.guards import Guards, Path, VaryingNumber, current, recording
 from s2sad.infer.types import Type
 from s2sad.live_objects.unwrap import by_position, python_function
-from s2sad.program import EntrySummary, MemoryLimit, Program, Request
+from s2sad.program import EntrySummary, Program, Request
 from s2sad.run.progress import Working
 from s2sad.live_objects.registry import GIVEN, RegisteredRule
 from s2sad.run.compiled import chosen, compiled, interpreting, prepare, quiet
@@ -261,14 +261,14 @@ class ProgramVersion:
         if engine == "auto":
             interpreting()
         engine = chosen(engine)
-        key, checkpoint = (request, engine), request.checkpoint
+        key, recording = (request, engine), request.recording
         if engine == "numba":
             self.check_frozen_arrays()
         with COMPILER_LOCK:
             if key not in self._variants:
                 request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
                                   request.with_primal, split=request.split,
-                                  checkpoint=() if isinstance(checkpoint, MemoryLimit) else checkpoint)
+                                  recording=recording.keeping(recording.loops))
                 generated = artifacts.load_generated(self.reading.address, request)
                 if generated is None:
                     with Working(f"deriving the {request.mode} of '{self.kernel.name}'"):
@@ -278,9 +278,10 @@ class ProgramVersion:
                 summary = self.summary(request.types)
                 made = self._variants[key] = loaded(generated, engine, summary, self.kernel.name, self.registered,
                                                     self.function)
-                if isinstance(checkpoint, MemoryLimit):
-                    made.limited = LimitedMemory(checkpoint, self.kernel.name, summary.written,
-                                                 lambda loops: self.variant(replace(key[0], checkpoint=loops), engine))
+                if recording.limit:
+                    made.limited = LimitedMemory(recording.limit, self.kernel.name, summary.written,
+                                                 lambda loops: self.variant(
+                        replace(key[0], recording=recording.keeping(loops)), engine))
             return self._variants[key]
 
     def check_frozen_arrays(self) -> None:

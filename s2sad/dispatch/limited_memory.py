@@ -13,7 +13,7 @@ import numpy as np
 
 from s2sad.diagnostics import S2sadError
 from s2sad.dispatch.snapshot_plan import SnapshotPlan, snapshot_plan
-from s2sad.program import Checkpoints, Generated, MemoryLimit
+from s2sad.program import Checkpoints, Generated
 from s2sad.run.memory import Footprint, footprint_of
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ class LimitedMemory:
     """The plans for the derivative of a kernel, of which the arguments in `written` are changed; `variant` is what runs
     it where loops keep snapshots."""
 
-    def __init__(self, limit: MemoryLimit, kernel: str, written: Collection[str],
+    def __init__(self, limit: int, kernel: str, written: Collection[str],
                  variant: Callable[[Checkpoints], Executable]):
         self.limit, self.kernel, self.written, self.variant = limit, kernel, written, variant
         self._plans: dict[Hashable, SnapshotPlan | None] = {}     # None: more must be known
@@ -41,7 +41,7 @@ class LimitedMemory:
             self._prepared.add(plan.checkpoints)
         for other in self._prepared - {plan.checkpoints}:
             self.variant(other).forget_tape()
-        if found.kept_bytes + plan.found.peak - plan.found.tape + copies > self.limit.bytes:
+        if found.kept_bytes + plan.found.peak - plan.found.tape + copies > self.limit:
             found.forget_tape()
         return found
 

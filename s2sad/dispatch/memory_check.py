@@ -5,11 +5,15 @@ digits. Where sixteen times as much is there, all of these are let through.
 """
 from __future__ import annotations
 
+import os
+import shutil
 from collections.abc import Collection, Sequence
+from math import inf
 from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.program import Generated, Parameter, RecordedArray
+from s2sad.run.exceptions import no_room
 from s2sad.run.memory import Footprint, byte_text, footprint_of, growing_tapes
 from s2sad.run.memory.call_memory import shown
 from s2sad.run.memory.machine_memory import most_memory
@@ -28,6 +32,7 @@ class MemoryCheck:
         primals = [(k, p) for k, p in enumerate(self.parameters) if p.role == "primal"]
         self.arrays = [k for k, p in primals if p.type.is_array]
         self.integers = [k for k, p in primals if p.type.is_integer]
+        self.folders: tuple[str, ...] = generated.facts.get("folders", ())
         self.fits: set[tuple[int, ...]] = set()
 
     def __call__(self, arguments: Sequence[Any]) -> None:
@@ -39,16 +44,18 @@ class MemoryCheck:
 
     def compare(self, key: tuple[int, ...], arguments: Sequence[Any]) -> None:
         try:
-            found, there = self.footprint(arguments), most_memory()
+            found, there, room = self.footprint(arguments), most_memory(), _free_bytes(self.folders)
         except Exception:   # what cannot be foreseen runs
             self.fits.add(key)
             return
-        if found.peak * _FACTOR < there:
+        if found.peak * _FACTOR < there and found.disk * _FACTOR < room:
             if len(self.fits) >= _KEPT:
                 self.fits.clear()
             self.fits.add(key)
         elif found.peak > there and not found.is_bound:
             raise self.refused(found, f"and this process may have {byte_text(int(there))}", arguments)
+        elif found.disk > room and not found.is_bound:
+            raise no_room(self.kernel, self.folders, f"{found.disk:,} bytes are needed, {room:,} are free")
 
     def footprint(self, arguments: Sequence[Any]) -> Footprint:
         values = {p.name: a for p, a in zip(self.parameters, arguments) if p.role == "primal"}
@@ -74,6 +81,12 @@ class MemoryCheck:
         keep = "keep fewer snapshots, or some on disk" if largest.kind == "snapshots" else (
             f'checkpoint={{"{largest.loop}": {count}}} keeps snapshots in place of the tape')
         return S2sadError(Diagnostic("S410", head, largest.place.span(), note, keep))
+
+
+def _free_bytes(folders: Sequence[str]) -> float:
+    """The room that there is in folders, each device once; one that is not there is for others to refuse."""
+    there = {os.stat(f).st_dev: shutil.disk_usage(f).free for f in folders if os.path.isdir(f)}
+    return sum(there.values()) if there else inf
 
 
 def _size(found: Footprint, array: RecordedArray) -> tuple[bool, int]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.program import Checkpoints, Generated, MemoryLimit, RecordedArray, Snapshots
+from s2sad.program import Checkpoints, Generated, RecordedArray, Snapshots
 from s2sad.run.memory import Footprint, byte_text, growing_tapes
 from s2sad.run.memory.call_memory import shown
 from s2sad.run.memory.step_counts import runs_of_steps
@@ -32,7 +32,7 @@ GRID = tuple(sorted({count for k in range(31) for count in (1 << k, 3 << k >> 1)
 class SnapshotPlan:
     """What is chosen for a call: `checkpoints`, of the function that is `generated` with them, whose memory is `found`;
     `copies` are the bytes that its caller makes, `plain` is what it would take to record all."""
-    limit: MemoryLimit
+    limit: int
     copies: int
     checkpoints: Checkpoints
     generated: Generated
@@ -40,7 +40,7 @@ class SnapshotPlan:
     plain: Footprint
 
     def __str__(self) -> str:
-        head = f"takes {byte_text(self.found.peak + self.copies)} of the {byte_text(self.limit.bytes)} that checkpoint "
+        head = f"takes {byte_text(self.found.peak + self.copies)} of the {byte_text(self.limit)} that checkpoint "
         if not self.checkpoints:
             return f"{head}allows: all is recorded"
         largest = _recording_most(self.plain)
@@ -49,7 +49,7 @@ class SnapshotPlan:
         return (f"{head}allows; without snapshots it would take {byte_text(self.plain.peak + self.copies)}{more}{most}")
 
 
-def snapshot_plan(kernel: str, limit: MemoryLimit, copies: int, derive: Derive, predict: Predict) -> SnapshotPlan:
+def snapshot_plan(kernel: str, limit: int, copies: int, derive: Derive, predict: Predict) -> SnapshotPlan:
     """The plan for a call whose caller makes `copies`; raises S2sadError (S410) where nothing fits."""
     return _Planner(kernel, limit, copies, derive, predict).plan()
 
@@ -100,7 +100,7 @@ class _Option:
 
 
 class _Planner:
-    def __init__(self, kernel: str, limit: MemoryLimit, copies: int, derive: Derive, predict: Predict):
+    def __init__(self, kernel: str, limit: int, copies: int, derive: Derive, predict: Predict):
         self.kernel, self.limit, self.copies, self.derive, self.predict = kernel, limit, copies, derive, predict
         self.made: dict[Checkpoints, _Option | None] = {}
         self.refusals: dict[str, S2sadError] = {}
@@ -112,7 +112,7 @@ class _Planner:
         return SnapshotPlan(self.limit, self.copies, best.checkpoints, best.generated, best.found, plain.found)
 
     def fits(self, option: _Option) -> bool:
-        return option.found.is_complete and option.found.peak + self.copies <= self.limit.bytes
+        return option.found.is_complete and option.found.peak + self.copies <= self.limit
 
     def option(self, counts: Mapping[str, int]) -> _Option | None:
         """What comes of these numbers; None where one of the loops cannot keep snapshots."""
@@ -133,7 +133,7 @@ class _Planner:
             return _Option(dict(counts), generated, self.predict(generated))
         except Exception as error:
             raise S2sadError(Diagnostic("S410", f"what the adjoint of '{self.kernel}' takes cannot be foreseen, and "
-                                        f"checkpoint allows {byte_text(self.limit.bytes)}", help="name the loops that "
+                                        f"checkpoint allows {byte_text(self.limit)}", help="name the loops that "
                                         'keep snapshots, and how many: checkpoint={"k": 20}')) from error
 
     def with_snapshots(self, plain: _Option) -> _Option:
@@ -197,7 +197,7 @@ class _Planner:
 
     def counts_within(self, least: _Option, factor: float) -> tuple[dict[str, int], float]:
         """The numbers that save most runs, where a snapshot takes so many times its bytes; and the bytes they take."""
-        counts, start = dict(least.counts), self.limit.bytes - self.copies - least.found.peak
+        counts, start = dict(least.counts), self.limit - self.copies - least.found.peak
         left = float(start)
         while True:
             costs = {n: factor * least.bytes_of_snapshot(n) * (_above(c) - c) for n, c in counts.items()}
@@ -214,7 +214,7 @@ class _Planner:
         note = [f"with one snapshot of {_loops_in_words(least.counts)}"] if least.counts else []
         note += [str(grows) for grows in growing_tapes(least.found)]
         note += [f"{shown(loop)} keeps none: {error.diagnostics[0].message}" for loop, error in self.refusals.items()]
-        allowed = f"checkpoint allows {byte_text(self.limit.bytes)}"
+        allowed = f"checkpoint allows {byte_text(self.limit)}"
         if not least.found.is_complete:
             return S2sadError(Diagnostic("S410", f"what the adjoint of '{self.kernel}' takes is known only at run "
                                          f"time, and {allowed}", note="; ".join(note), help="name the loops that keep "

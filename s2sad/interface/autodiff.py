@@ -14,7 +14,7 @@ from s2sad.interface.activities import Active, Annotation, BatchDuplicated, Dupl
 from s2sad.dispatch.arguments import INEXACT, kernel_value, bind, coercion, make_zero, misfit, shadow, check_writable
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.dispatch.executable import Executable
-from s2sad.program import Request
+from s2sad.program import Recording, Request
 from s2sad.interface.selection import (
     RETURN, ReturnedValues, Selection, array_seed, places, result_seed, selected_of, selected_wrt, seeds_by_position,
 )
@@ -25,7 +25,7 @@ class AnnotatedCall:
     """A prepared `autodiff`: which arguments are active is known, and what their primals must hold afterwards."""
 
     def __init__(self, state: ProgramVersion, mode: Mode, annotated: Sequence[Any], selection: Selection):
-        self.state, self.mode, self.engine, self.checkpoint = state, mode, selection.engine, selection.checkpoint
+        self.state, self.mode, self.engine, self.recording = state, mode, selection.engine, selection.recording
         names = state.parameters
         bound = bind(state.kernel, annotated)
         self.marks = dict(zip(names, annotated))
@@ -78,8 +78,8 @@ class AnnotatedCall:
             return None
         wrt = selected_wrt(name, names, self.types, marked)
         of = selected_of(name, names, self.types, self.summary, of)
-        mode, checkpoint = ("adjoint", self.checkpoint) if self.mode.reverse else ("tangent", ())
-        variant = self.state.variant(Request(mode, self.types, wrt, of, checkpoint=checkpoint), self.engine)
+        mode, recording = ("adjoint", self.recording) if self.mode.reverse else ("tangent", Recording())
+        variant = self.state.variant(Request(mode, self.types, wrt, of, recording=recording), self.engine)
         lost = [(n, s) for n, s in variant.generated.facts.get("unshadowed", {}).items() if n in self.marks]
         if lost:
             program = self.state.program

@@ -12,12 +12,12 @@ from s2sad.dispatch.arguments import kernel_value, bind, describe
 from s2sad.dispatch.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.interface.bound_derivatives import Adjoint, AugmentedPrimal
-from s2sad.interface.checkpoint_argument import Checkpoint, checkpoints_of
+from s2sad.interface.recording_arguments import Checkpoint, recording_of
 from s2sad.interface.foreign_names import unexpected_keywords
 from s2sad.interface.pytrees import flat_autodiff as with_structures, flat_tapes, flatten, flat_call
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import selection_of
-from s2sad.program import MemoryLimit, Request
+from s2sad.program import Economy, Recording, Request
 from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.compiled import chosen
 from s2sad.run.memory import Memory
@@ -42,24 +42,27 @@ R = TypeVar("R", covariant=True)
 
 @overload
 def differentiate(function: Callable[P, R], *, wrt: Wrt = None, of: Wrt = None, engine: str = "auto",
-                  checkpoint: Checkpoint = None) -> Differentiated[P, R]: ...
+                  checkpoint: Checkpoint = None, memory: Economy | None = None) -> Differentiated[P, R]: ...
 
 
 @overload
 def differentiate(function: None = None, *, wrt: Wrt = None, of: Wrt = None, engine: str = "auto",
-                  checkpoint: Checkpoint = None) -> Callable[[Callable[P, R]], Differentiated[P, R]]: ...
+                  checkpoint: Checkpoint = None, memory: Economy | None = None
+                  ) -> Callable[[Callable[P, R]], Differentiated[P, R]]: ...
 
 
 @public
 def differentiate(function: Callable[..., Any] | None = None, *, wrt: Wrt = None, of: Wrt = None,
-                  engine: str = "auto", checkpoint: Checkpoint = None, **unknown: NoReturn) -> Any:
+                  engine: str = "auto", checkpoint: Checkpoint = None, memory: Economy | None = None,
+                  **unknown: NoReturn) -> Any:
     """The function, which still does what it did, with its derivatives as attributes; see `Differentiated`.
 
     Args: wrt, names or positions of parameters (default: every float array and float scalar); of, names of written
     arrays and "return" (default: all of them); engine, "auto" (Numba where it is installed), "numba" or "numpy";
     checkpoint, the loops that keep snapshots in place of a tape, and how many: {"k": 20}, {"advance.k": 20} of a
     function that is called, {"line 14": 20}; or the memory that a call may take beside its arguments, "1 GB" or a
-    number of bytes, within which loops and numbers are chosen by the sizes of each call (S410 where none fits).
+    number of bytes, within which loops and numbers are chosen by the sizes of each call (S410 where none fits); memory,
+    what counts where memory costs time: "least", "balanced" (default) or "fastest".
     Raises S2sadError (S405) for an engine that is not there, S408 for a `checkpoint` that is none; everything else when
     a derivative is first asked for. Literature: Griewank and Walther, ACM TOMS 26, 2000.
 
@@ -74,9 +77,9 @@ def differentiate(function: Callable[..., Any] | None = None, *, wrt: Wrt = None
         raise unexpected_keywords("differentiate", unknown)
     chosen(engine)
     if function is None:
-        checkpoint = checkpoints_of(checkpoint)
-        return lambda f: Differentiated(f, wrt, of, engine, checkpoint)
-    return Differentiated(function, wrt, of, engine, checkpoint)
+        recording = recording_of(checkpoint, memory)
+        return lambda f: Differentiated(f, wrt, of, engine, recording)
+    return Differentiated(function, wrt, of, engine, checkpoint, memory)
 
 
 class Differentiated(Decorated, Generic[P, R]):
@@ -88,13 +91,13 @@ class Differentiated(Decorated, Generic[P, R]):
     """
 
     def __init__(self, function: Callable[P, R], wrt: Wrt = None, of: Wrt = None, engine: str = "auto",
-                 checkpoint: Checkpoint = None):
+                 checkpoint: Checkpoint = None, memory: Economy | None = None):
         self.__wrapped_kernel__ = derivatives_of(function).function
         functools.update_wrapper(self, self.__wrapped_kernel__, updated=())
         self._original = function
         self._derivatives = derivatives_of(function)
         self.wrt, self.of = names_of(wrt, function), names_of(of, function, "of")
-        self.__s2sad_selection__ = Selection(self.wrt, self.of, engine, checkpoints_of(checkpoint))
+        self.__s2sad_selection__ = Selection(self.wrt, self.of, engine, recording_of(checkpoint, memory))
         self._tokens = {mode: f"{mode} {self.__s2sad_selection__!r}" for mode in ("adjoint", "tangent")}
 
     def decorator_arguments(self) -> tuple[Any, ...]:
@@ -231,9 +234,10 @@ class Differentiated(Decorated, Generic[P, R]):
         given, args, keywords = apply_functions(self, args, keywords)
         derivatives = self._derivatives if given is self else derivatives_of(given)
         state, values, request = self._request(derivatives.with_constants(), mode, args, keywords)
-        limited = state.variant(request, self.engine).limited if isinstance(request.checkpoint, MemoryLimit) else None
+        limited = state.variant(request, self.engine).limited if request.recording.limit else None
         if limited is not None:
-            request = replace(request, checkpoint=limited.plan({**values, **state.arrays_by_name()}, 0).checkpoints)
+            plan = limited.plan({**values, **state.arrays_by_name()}, 0)
+            request = replace(request, recording=request.recording.keeping(plan.checkpoints))
         request = replace(request, engine=self.engine, level=level, split=split)
         return compiler().derived(state.program, request, {}).text
 
@@ -245,8 +249,8 @@ class Differentiated(Decorated, Generic[P, R]):
         types, name, parameters = state.types(values), state.kernel.name, state.parameters
         wrt = selected_wrt(name, parameters, types, carried.wrt)
         of = selected_of(name, parameters, types, state.summary(types), carried.of)
-        checkpoint = carried.checkpoint if mode == "adjoint" else ()
-        return state, dict(zip(parameters, values)), Request(mode, types, wrt, of, checkpoint=checkpoint)
+        recording = carried.recording if mode == "adjoint" else Recording()
+        return state, dict(zip(parameters, values)), Request(mode, types, wrt, of, recording=recording)
 
     def _run_augmented(self, args: tuple[Any, ...], keywords: dict[str, Any]) -> tuple[Any, Tape]:
         given, args, keywords = apply_functions(self, args, keywords)
@@ -298,7 +302,7 @@ def autodiff(mode: Mode, f: Callable[..., Any], *annotated: Any, seed: Any = Non
     kinds = tuple([type(a) if isinstance(a, Annotation) else None for a in annotated])
     values = [a.value if isinstance(a, Annotation) else a for a in annotated]
     shadows = [a.shadow for a in annotated if isinstance(a, Duplicated)]
-    key = (mode, selection.engine, selection.checkpoint, kinds, describe(values), describe(shadows))
+    key = (mode, selection.engine, selection.recording, kinds, describe(values), describe(shadows))
     entry = state.entries.get(key)
     if entry is None:
         entry = state.entries[key] = AnnotatedCall(state, mode, annotated, selection)

@@ -9,12 +9,12 @@ import numpy as np
 
 from s2sad.dispatch.arguments import kernel_value, bind, describe, make_zero
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.interface.checkpoint_argument import Checkpoint, checkpoints_of
+from s2sad.interface.recording_arguments import Checkpoint, recording_of
 from s2sad.interface.foreign_names import unexpected_keywords
 from s2sad.interface.pytrees import Carrier, flat_drivers as with_structures, flatten
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
-from s2sad.program import Checkpoints, MemoryLimit
+from s2sad.program import Economy
 from s2sad.interface.selection import RETURN, Wrt, names_of
 from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.memory import Memory
@@ -30,15 +30,17 @@ _INTEGERS = (int, np.integer)
 
 
 @public
-def gradient(f: Callable[P, Any], wrt: Wrt = None, checkpoint: Checkpoint = None, **unknown: NoReturn) -> Gradient[P]:
+def gradient(f: Callable[P, Any], wrt: Wrt = None, checkpoint: Checkpoint = None, memory: Economy | None = None,
+             **unknown: NoReturn) -> Gradient[P]:
     """A function of f's arguments that returns the gradient of the one float that f returns.
 
     Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or position of a parameter, or
     several (default: all that are floats by f's text: annotation, default, use); checkpoint, the loops that keep
-    snapshots in place of a tape, or a limit for the memory, as for `differentiate`. The result is one array (of the
-    argument's shape and dtype) or float for one of them, a dict by name for several; an integer that stands there for a
-    float is one. Arguments are never changed, read-only arrays are fine, and nothing is changed when f raises.
-    The gradient of a structure is one of the same make, what is no float as it was; names may mean parts: "p.k".
+    snapshots in place of a tape, or a limit for the memory, and memory, as for `differentiate`. The result is one array
+    (of the argument's shape and dtype) or float for one of them, a dict by name for several; an integer that stands
+    there for a float is one. Arguments are never changed, read-only arrays are fine, and nothing is changed when f
+    raises. The gradient of a structure is one of the same make, what is no float as it was; names may mean parts:
+    "p.k".
     Raises S2sadError: S401 (f does not return one float; wrt names nothing that is a float), S404 (a written argument
     shares memory with another), S405 (an argument of another type); and what f raises. Reverse mode: Griewank and
     Walther, Evaluating Derivatives, SIAM 2008.
@@ -54,12 +56,12 @@ def gradient(f: Callable[P, Any], wrt: Wrt = None, checkpoint: Checkpoint = None
     """
     if unknown:
         raise unexpected_keywords("gradient", unknown)
-    return Gradient(f, wrt, checkpoint)
+    return Gradient(f, wrt, checkpoint, memory)
 
 
 @public
-def value_and_gradient(f: Callable[P, R], wrt: Wrt = None, checkpoint: Checkpoint = None, **unknown: NoReturn
-                       ) -> ValueAndGradient[P, R]:
+def value_and_gradient(f: Callable[P, R], wrt: Wrt = None, checkpoint: Checkpoint = None, memory: Economy | None = None,
+                       **unknown: NoReturn) -> ValueAndGradient[P, R]:
     """As `gradient`, but the function returns (value, gradient); `scipy.optimize.minimize(..., jac=True)` takes it.
 
     Args, errors and literature as for `gradient`; the value is f's float.
@@ -75,24 +77,24 @@ def value_and_gradient(f: Callable[P, R], wrt: Wrt = None, checkpoint: Checkpoin
     """
     if unknown:
         raise unexpected_keywords("value_and_gradient", unknown)
-    return ValueAndGradient(f, wrt, checkpoint)
+    return ValueAndGradient(f, wrt, checkpoint, memory)
 
 
 class _Driver(Decorated):
     """A function of f's arguments that can be pickled where f can; `_what` it gives."""
     _what = ""
 
-    def __init__(self, f: Callable[..., Any], wrt: Wrt = None, checkpoint: Checkpoint = None):
+    def __init__(self, f: Callable[..., Any], wrt: Wrt = None, checkpoint: Checkpoint = None,
+                 memory: Economy | None = None):
         self._derivatives, self._names = derivatives_of(f), names_of(wrt, f)
-        self._checkpoint = None if checkpoint is None else checkpoints_of(checkpoint)
-        self._carrier = carrier_of(f, self._checkpoint)
+        self._carrier = carrier_of(f, checkpoint, memory)
         self.__wrapped__ = f
         name, self.__module__ = getattr(f, "__name__", "f"), getattr(f, "__module__", __name__)
         self.__name__ = self.__qualname__ = f"{self._what.replace(' ', '_')}_of_{name}"
         self.__doc__ = f"The {self._what} of '{name}'."
 
     def decorator_arguments(self) -> tuple[Any, ...]:
-        return self.__wrapped__, self._names, self._checkpoint
+        return self.__wrapped__, self._names, selection_of(self._carrier).recording
 
     def __get__(self, instance: Any, owner: Any = None) -> Any:
         return self if instance is None else functools.partial(self, instance)
@@ -166,7 +168,7 @@ def _with_floats(state: ProgramVersion, names: tuple[str, ...] | None, args: tup
 
 @public
 def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wrt: Wrt = None,
-        checkpoint: Checkpoint = None) -> dict[str, Any]:
+        checkpoint: Checkpoint = None, memory: Economy | None = None) -> dict[str, Any]:
     """The gradients, by argument name, of the outputs weighted by `seeds`, at the arguments' entry values.
 
     Args: args, all of f's positional arguments; seeds by output name: a written argument's name (an array of its
@@ -186,7 +188,7 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wr
     """
     given, args, _ = apply_functions(f, _argument_tuple(args), {})
     state, names = derivatives_of(given).state(), names_of(wrt, given)
-    carrier = carrier_of(f, None if checkpoint is None else checkpoints_of(checkpoint))
+    carrier = carrier_of(f, checkpoint, memory)
     flattened = flatten(state, args)
     if flattened is not None:
         _keys_of(seeds, "seeds")
@@ -198,9 +200,12 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wr
     return entry.vjp(args, seeds)
 
 
-def carrier_of(f: Any, checkpoint: Checkpoints | MemoryLimit | None) -> Any:
-    """What has the selection of a function, with other loops that keep snapshots if these are given."""
-    return f if checkpoint is None else Carrier.with_overrides(f, None, None, None, checkpoint)
+def carrier_of(f: Any, checkpoint: Checkpoint, memory: Economy | None) -> Any:
+    """What has the selection of a function, with another recording if one is asked for."""
+    if checkpoint is None and memory is None:
+        return f
+    found = recording_of(checkpoint, memory, selection_of(f).recording)
+    return Carrier.with_overrides(f, None, None, None, found)
 
 
 @public

@@ -12,7 +12,7 @@ from s2sad.dispatch.arguments import misfit
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, misfit_of
 from s2sad.live_objects.unwrap import python_function
-from s2sad.program import Checkpoints, MemoryLimit
+from s2sad.program import Recording
 
 RETURN = "return"
 Wrt = str | int | Iterable[str | int] | None
@@ -23,7 +23,7 @@ class Selection(NamedTuple):
     wrt: tuple[str, ...] | None = None
     of: tuple[str, ...] | None = None
     engine: str = "auto"
-    checkpoint: Checkpoints | MemoryLimit = ()
+    recording: Recording = Recording()
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from s2sad.dispatch.arguments import INEXACT, kernel_value
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.dispatch.executable import HIDDEN, Executable
 from s2sad.infer.types import Type
-from s2sad.program import Request
+from s2sad.program import Recording, Request
 from s2sad.interface.selection import RETURN, ReturnedValues, Selection, selected_of, selected_wrt
 from s2sad.dispatch.cache import ProgramVersion
 
@@ -57,7 +57,7 @@ def _request(state: ProgramVersion, mode: str, types: tuple[Type, ...], selectio
     name, parameters = state.kernel.name, state.parameters
     wrt = selected_wrt(name, parameters, types, selection[0])
     of = selected_of(name, parameters, types, state.summary(types), selection.of)
-    return Request(mode, types, wrt, of, checkpoint=selection.checkpoint if mode == "adjoint" else ())
+    return Request(mode, types, wrt, of, recording=selection.recording if mode == "adjoint" else Recording())
 
 
 def _layout_of(state: ProgramVersion, request: Request) -> tuple[Layout, int]:

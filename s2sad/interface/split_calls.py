@@ -77,7 +77,7 @@ class SplitCall:
         self._check_memory(values)
         wrt = selected_wrt(title, names, self.types, selection.wrt)
         of = selected_of(title, names, self.types, self.summary, selection.of)
-        variant = state.variant(Request("adjoint", self.types, wrt, of, checkpoint=selection.checkpoint, split=True),
+        variant = state.variant(Request("adjoint", self.types, wrt, of, recording=selection.recording, split=True),
                                 selection.engine)
         assert isinstance(variant, SplitExecutable)
         self.variant = variant

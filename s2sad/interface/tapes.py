@@ -65,7 +65,7 @@ class Tape:
         ours, theirs = self._function.decorator_arguments(), function.decorator_arguments()
         if self._function is not function and ours != theirs:
             title = function.__wrapped_kernel__.__name__
-            what = f"'{self.name}'" if self.name != title else "one with another wrt, of, engine or checkpoint"
+            what = f"'{self.name}'" if self.name != title else "one with another wrt, of, engine, checkpoint or memory"
             raise S2sadError(Diagnostic("S409", f"'{title}.reverse' was given a tape of {what}",
                                         help=f"give what {title}.augmented returned beside the result"))
         self.entries()

@@ -14,7 +14,7 @@ from s2sad.dispatch.arguments import kernel_value, bind, coercion, misfit
 from s2sad.diagnostics import Diagnostic, S2sadError, warn
 from s2sad.dispatch.executable import Executable
 from s2sad.infer.types import NONE, TEXT
-from s2sad.program import Request
+from s2sad.program import Recording, Request
 from s2sad.run.memory import Memory
 from s2sad.interface.selection import (
     RETURN, ReturnedValues, Selection, array_seed, number_seed, places, result_seed, selected_of, selected_wrt,
@@ -35,7 +35,7 @@ class PreparedCall:
 
     def __init__(self, state: ProgramVersion, f: Any, args: tuple[Any, ...]):
         self.state, self.names, self.engine = state, state.parameters, selection_of(f).engine
-        self.checkpoint = selection_of(f).checkpoint
+        self.recording = selection_of(f).recording
         bound = bind(state.kernel, args)
         self.tail = [kernel_value(n, v, n in state.floats) for n, v in zip(self.names[len(args):], bound[len(args):])]
         self.coercions = [(k, how) for k, (n, v) in enumerate(zip(self.names, args))
@@ -83,8 +83,8 @@ class PreparedCall:
         return variant.run(arguments)
 
     def variant(self, mode: str, wrt: tuple[str, ...], of: tuple[str, ...], with_primal: bool = False) -> Executable:
-        checkpoint = self.checkpoint if mode == "adjoint" else ()
-        return self.state.variant(Request(mode, self.types, wrt, of, with_primal=with_primal, checkpoint=checkpoint),
+        recording = self.recording if mode == "adjoint" else Recording()
+        return self.state.variant(Request(mode, self.types, wrt, of, with_primal=with_primal, recording=recording),
                                   self.engine)
 
 

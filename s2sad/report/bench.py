@@ -127,7 +127,7 @@ def bench(f: Callable[..., Any], *args: Any, wrt: Wrt = None, of: str | Iterable
         carried = selection_of(f)
         differentiated = differentiate(f, wrt=wrt if wrt is not None else carried.wrt,
                                        of=of if of is not None else carried.of,
-                                       engine=measured.engine, checkpoint=carried.checkpoint)
+                                       engine=measured.engine, checkpoint=carried.recording)
         return _Measurement(measured, differentiated, args, budget, where).made()
 
 
@@ -254,7 +254,7 @@ class _Measurement:
         """The bytes of the tape, of arguments and of shadows."""
         measured = self.measured
         request = Request("adjoint", measured.types, measured.wrt, measured.of, measured.engine,
-                          checkpoint=measured.checkpoint)
+                          recording=measured.recording)
         explanation: Explanation = explain_program(measured.state.program, request, measured.values)
         arrays = {n: v.nbytes for n, v in measured.values.items() if isinstance(v, np.ndarray)}
         shadows = sum(arrays.get(n, 0) for n in self.reverse.rv.shadows)

@@ -12,7 +12,7 @@ from s2sad.dispatch.arguments import kernel_value
 from s2sad.interface.pytrees import Carrier, flat_call
 from s2sad.live_objects.guards import current
 from s2sad.normalize.calls.global_arrays import hidden_arrays, hidden_name
-from s2sad.program import Evaluation, Generated, MemoryLimit, Program, Request
+from s2sad.program import Evaluation, Generated, Program, Request
 from s2sad.live_objects.unwrap import apply_functions
 from s2sad.report.findings import Findings, FoundPlace, findings
 from s2sad.report.listing import Listing, listings
@@ -121,17 +121,17 @@ def explain(f: Callable[..., Any], *args: Any, wrt: Wrt = None,
     types, name = state.types(values), state.kernel.name
     of = selected_of(name, state.parameters, types, state.summary(types), carried.of)
     request = Request("adjoint", types, selected_wrt(name, state.parameters, types, carried.wrt), of,
-                      chosen(carried.engine), checkpoint=carried.checkpoint)
+                      chosen(carried.engine), recording=carried.recording)
     return explain_program(state.program, request, dict(zip(state.parameters, values)))
 
 
 def explain_program(program: Program, request: Request, arguments: Mapping[str, Any] | None = None) -> Explanation:
     """The report on a program and a request; with arguments by name also on the bytes these take."""
-    plan, limit = None, request.checkpoint
-    if isinstance(limit, MemoryLimit) and arguments:
-        plan = snapshot_plan(program.entry, limit, 0, lambda loops: pipeline.derive(program, replace(
-            request, checkpoint=loops)), lambda made: _taken(program, made, arguments))
-        request = replace(request, checkpoint=plan.checkpoints)
+    plan, recording = None, request.recording
+    if recording.limit and arguments:
+        plan = snapshot_plan(program.entry, recording.limit, 0, lambda loops: pipeline.derive(program, replace(
+            request, recording=recording.keeping(loops))), lambda made: _taken(program, made, arguments))
+        request = replace(request, recording=recording.keeping(plan.checkpoints))
     made = pipeline.derive(program, request)
     units, entry = made.facts["units"], made.facts["derived"]
     taken = None if arguments is None else _taken(program, made, arguments)

@@ -13,7 +13,7 @@ from s2sad.diagnostics import S2sadError
 from s2sad.interface.pytrees import Carrier, flatten, flat_call
 from s2sad.infer.types import Type
 from s2sad.interface.value_calls import ForwardCall, ReverseCall
-from s2sad.program import Checkpoints, MemoryLimit, Request
+from s2sad.program import Recording, Request
 from s2sad.run.compiled import chosen
 from s2sad.run.tracebacks import with_facts
 from s2sad.interface.selection import ReturnedValues, Selection, Wrt, names_of, selected_of, selected_wrt
@@ -33,7 +33,7 @@ class MeasuredCall:
     wrt: tuple[str, ...]
     of: tuple[str, ...]
     engine: str
-    checkpoint: Checkpoints | MemoryLimit
+    recording: Recording
     is_single_precision: bool
     structured: bool
 
@@ -60,7 +60,7 @@ class MeasuredCall:
         inputs = selected_wrt(name, state.parameters, types, carried.wrt)
         outputs = selected_of(name, state.parameters, types, state.summary(types), carried.of)
         return cls(original, state, dict(zip(state.parameters, values)), types, inputs, outputs, chosen(carried.engine),
-                   carried.checkpoint, single, flattened is not None)
+                   carried.recording, single, flattened is not None)
 
     @property
     def arguments(self) -> tuple[Any, ...]:
@@ -95,7 +95,7 @@ class MeasuredCall:
 
     @property
     def _carrier(self) -> Carrier:
-        return Carrier(Selection(self.wrt, self.of, self.engine, self.checkpoint))
+        return Carrier(Selection(self.wrt, self.of, self.engine, self.recording))
 
     def primal(self, values: Mapping[str, Any]) -> Callable[..., Any]:
         """The function of values like these, by position: as it is under NumPy, compiled for their types under Numba.

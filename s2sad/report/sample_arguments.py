@@ -12,7 +12,7 @@ import numpy as np
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.assumed_types import Assumed
 from s2sad.interface.differentiate import differentiate
-from s2sad.program import Request
+from s2sad.program import Recording, Request
 
 _SIZE = 6
 
@@ -30,8 +30,8 @@ def run_on_file(verb: Callable[..., Answer], path: str, function: str, arguments
                                     help="give its arguments as Python, in --arguments, or call "
                                     f"s2sad.{verb.__name__}"))
     kernel = _imported(path, function)
-    if request.checkpoint:
-        kernel = differentiate(kernel, checkpoint=request.checkpoint)
+    if request.recording != Recording():
+        kernel = differentiate(kernel, checkpoint=request.recording)
     wrt, of = ([paths.get(n, n) for n in names] for names in (request.wrt, request.of))
     if arguments is None:
         values: tuple[Any, ...] = tuple(sample_argument(a) for a in found.values())

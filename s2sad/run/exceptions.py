@@ -5,7 +5,7 @@ Guards raise AssertionError with their message, their line in the generated text
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 
 from s2sad.diagnostics import Diagnostic, S2sadError, S2sadValueError
@@ -30,9 +30,7 @@ class ExceptionMeanings:
         if isinstance(error, AssertionError) and len(error.args) > 1 and error.args[1] in self.guards:
             return _refused(self.guards[error.args[1]], error.args[2:], self.kernel)
         if isinstance(error, OSError) and self.folders:
-            return S2sadError(Diagnostic("S407", f"snapshots of '{self.kernel}' cannot be written: {error.strerror}",
-                                         note=f"the folder is {' or '.join(self.folders)}",
-                                         help="give a folder with room for them, or keep fewer"))
+            return no_room(self.kernel, self.folders, str(error.strerror))
         if type(error) is ValueError and (place := self._place(error.__traceback__)) is not None:
             return S2sadValueError(Diagnostic("S501", str(error), place.span()))
         return error
@@ -48,6 +46,13 @@ class ExceptionMeanings:
                 return None
             traceback = traceback.tb_next
         return found
+
+
+def no_room(kernel: str, folders: Sequence[str], reason: str) -> S2sadError:
+    """The error where the folders of a kernel's snapshots cannot hold them."""
+    return S2sadError(Diagnostic("S407", f"snapshots of '{kernel}' cannot be written: {reason}",
+                                 note=f"the folder is {' or '.join(folders)}",
+                                 help="give a folder with room for them, or keep fewer"))
 
 
 def _is_library(module: str) -> bool:

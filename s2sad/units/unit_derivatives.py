@@ -34,7 +34,7 @@ from s2sad.normalize.calls.global_arrays import hidden_arrays
 from s2sad.normalize.calls.outlining import OutlinedLoop
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.passes import Passes, run
-from s2sad.program import Table
+from s2sad.program import Economy, Table
 from s2sad.simplify import DerivativeContext, Effect, Effects
 from s2sad.simplify.wide_accumulators import uses_float32
 from s2sad.tree import AST, Assert, Call, For, FunctionDef, Name, function, is_comment, user_call, walk, walk_statements
@@ -83,6 +83,7 @@ class Units(NormalForms):
     forwards: dict[str, str] = field(default_factory=dict)
     unbounded_tables: dict[str, UnboundedValues] = field(default_factory=dict)
     schedules: dict[str, Table] = field(default_factory=dict)     # tables that texts hold
+    memory: Economy = "balanced"
 
     def without_derivatives(self) -> Units:
         """The same units with nothing derived: no text depends on what was derived before it."""
@@ -140,7 +141,7 @@ class Units(NormalForms):
         context = DifferentiationContext(
             program=self.program, kernel=unit.kernel, names=names, engine=self.engine, watch=self.watch,
             request=request, mode=mode, calls=self, derive=self.callee_derivatives(mode), title=title,
-            family=unit.family, flat=flat)
+            family=unit.family, flat=flat, memory=self.memory)
         context.typing = typing
         made = run(DERIVATIVES, unit.function, context)
         apart = request.split or request.halves

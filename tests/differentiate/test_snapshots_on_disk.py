@@ -127,6 +127,30 @@ def test_a_disk_that_is_full(engine, tmp_path, monkeypatch):
     kept.adjoint(u, np.zeros(1000), 0.1, 9, 1.0)     # fewer steps than snapshots
 
 
+def second_of_two(u, c, n):
+    for i in range(u.size):
+        u[i] = c * u[i]
+    for k in range(n):
+        for i in range(u.size):
+            u[i] = u[i] * u[i] + 0 * k
+
+
+@ENGINES
+def test_a_disk_that_is_full_is_seen_before_what_comes_in_front_of_the_loop(engine, tmp_path, monkeypatch):
+    u, kept = np.ones(1000), s2sad.differentiate(
+        second_of_two, engine=engine, wrt="u", checkpoint={"k": Snapshots(9, on_disk=str(tmp_path))})
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=79_999))
+    with pytest.raises(s2sad.S2sadError) as caught:
+        kept.adjoint(u, np.zeros(1000), 0.5, 100)
+    assert str(caught.value) == (
+        "error[S407]: snapshots of 'second_of_two' cannot be written: 80,000 bytes are needed, 79,999 are free\n"
+        f"  note: the folder is {tmp_path}\n  help: give a folder with room for them, or keep fewer")
+    np.testing.assert_array_equal(u, 1.0)
+    monkeypatch.undo()
+    kept.adjoint(u, u_bar := np.ones(1000), 0.5, 3)
+    np.testing.assert_allclose(u_bar, 8 * 0.5 ** 7 * 0.5)
+
+
 def marked(u, c, n):
     for k in timesteps(range(n), snapshots=Snapshots(3, on_disk=".")):
         u[:] = u + c * np.sin(u * k)

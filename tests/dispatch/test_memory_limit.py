@@ -9,8 +9,7 @@ import pytest
 import s2sad
 from s2sad import S2sadError, differentiate, gradient
 from s2sad.dispatch.snapshot_plan import GRID
-from s2sad.interface.checkpoint_argument import checkpoints_of
-from s2sad.program import MemoryLimit
+from s2sad.interface.recording_arguments import recording_of
 from tests.differentiate import time_loops
 from tests.interface import memory_kernels as kernels
 
@@ -248,7 +247,7 @@ def test_what_is_no_limit(wrong):
 @pytest.mark.parametrize(("said", "count"), [("1 GB", 10 ** 9), ("200MB", 2 * 10 ** 8), ("1.5 kb", 1500),
                                              ("2 GiB", 2 << 30), ("12 B", 12), (17, 17), (np.int64(3), 3)])
 def test_limits(said, count):
-    assert checkpoints_of(said) == MemoryLimit(count)
+    assert recording_of(said).limit == count
 
 
 # -- reports ----------------------------------------------------------------------------------------------------------

@@ -61,7 +61,7 @@ def _variant(state: ProgramVersion, values: list[Any], carried: Selection, engin
     types = state.types(values)
     wrt = selected_wrt("f", state.parameters, types, carried.wrt)
     of = selected_of("f", state.parameters, types, state.summary(types), carried.of)
-    return state.variant(Request("adjoint", types, wrt, of, checkpoint=carried.checkpoint, split=split), engine)
+    return state.variant(Request("adjoint", types, wrt, of, recording=carried.recording, split=split), engine)
 
 
 def _given(state: ProgramVersion, values: list[Any]) -> dict[str, Any]:

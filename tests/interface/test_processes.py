@@ -18,6 +18,7 @@ import pytest
 
 import s2sad
 from s2sad.dispatch.cache import derivatives_of
+from s2sad.program import Recording
 from s2sad.run.compiler_lock import COMPILER_LOCK
 from tests.harness.documents import environment
 
@@ -105,7 +106,7 @@ def test_what_stands_under_a_name_is_that_again():
     assert pickle.loads(pickle.dumps(Spring.pull)) is Spring.pull
     again = pickle.loads(pickle.dumps(s2sad.differentiate(norm, wrt="u", of="return", engine="numpy",
                                                           checkpoint={"k": 3})))
-    assert again.__s2sad_selection__ == (("u",), ("return",), "numpy", (("k", s2sad.Snapshots(3)),))
+    assert again.__s2sad_selection__ == (("u",), ("return",), "numpy", Recording((("k", s2sad.Snapshots(3)),)))
     assert again.__name__ == "norm"
 
 

@@ -173,7 +173,7 @@ def test_refused_tapes():
         "error[S409]: 'early.reverse' was given a tape of 'squares'\n"
         "  help: give what early.augmented returned beside the result")
     assert refusal(lambda: other.reverse(tape, u_bar, 1.0)) == (
-        "error[S409]: 'squares.reverse' was given a tape of one with another wrt, of, engine or checkpoint\n"
+        "error[S409]: 'squares.reverse' was given a tape of one with another wrt, of, engine, checkpoint or memory\n"
         "  help: give what squares.augmented returned beside the result")
     assert refusal(lambda: pickle.dumps(tape)) == refusal(lambda: copy.copy(tape)) == (
         "error[S409]: the tape of 'squares' cannot be copied or pickled\n"

@@ -117,7 +117,7 @@ class _FlatAutodiff:
         kinds = tuple(type(a) if isinstance(a, Annotation) else None for a in self.annotated)
         values = [a.value if isinstance(a, Annotation) else a for a in self.annotated]
         shadows = [a.shadow for a in self.annotated if isinstance(a, Duplicated)]
-        key = (self.mode, self.selection.engine, self.selection.checkpoint, kinds, describe(values), describe(shadows))
+        key = (self.mode, self.selection.engine, self.selection.recording, kinds, describe(values), describe(shadows))
         entry = flattened.state.entries.get(key)
         if entry is None:
             entry = AnnotatedCall(flattened.state, self.mode, self.annotated, self.selection)

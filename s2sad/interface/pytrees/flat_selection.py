@@ -12,6 +12,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import FLOAT, NONE, TEXT, Type, array
 from s2sad.interface.value_calls import selection_of
 from s2sad.interface.selection import RETURN, Selection
+from s2sad.program import Recording
 from s2sad.pytree import Form, PyTree, is_held, leaves, subtree, steps
 from s2sad.dispatch.cache import ProgramVersion
 
@@ -25,12 +26,13 @@ class Carrier:
         self.__s2sad_selection__ = selection
 
     @classmethod
-    def with_overrides(cls, f: Any, wrt: Any, of: Any, engine: str | None, checkpoint: Any = None) -> Carrier:
+    def with_overrides(cls, f: Any, wrt: Any, of: Any, engine: str | None,
+                       recording: Recording | None = None) -> Carrier:
         """What f carries, with other arguments in its place."""
         carried = selection_of(f)
         return cls(Selection(wrt if wrt is not None else carried.wrt, of if of is not None else carried.of,
                              engine if engine is not None else carried.engine,
-                             checkpoint if checkpoint is not None else carried.checkpoint))
+                             recording if recording is not None else carried.recording))
 
 
 class FlatSelection:

@@ -1,4 +1,5 @@
-"""What `checkpoint` may be: the loops that keep snapshots, and how many, or a limit for the memory of a call.
+"""What `checkpoint` and `memory` may be: the loops that keep snapshots, and how many, or a limit for the memory of a
+call; what counts where memory costs time.
 
     {"k": 20, "advance.k": 10, "line 14": Snapshots(5, on_disk="/scratch")}
     "1 GB", "200 MB", 1_000_000_000
@@ -8,35 +9,49 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Mapping
-from typing import Any
+from dataclasses import replace
+from typing import Any, get_args
 
 import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.interface.schedules import is_schedule, schedule_of
-from s2sad.program import Checkpoints, MemoryLimit, Snapshots
+from s2sad.program import Checkpoints, Economy, Recording, Snapshots
 
-Checkpoint = Mapping[str, Any] | Iterable[tuple[str, Any]] | str | int | MemoryLimit | None
+Checkpoint = Mapping[str, Any] | Iterable[tuple[str, Any]] | str | int | Recording | None
 
+ECONOMIES = get_args(Economy)
+_PLAIN = Recording()
 _LIMIT = re.compile(r"(\d+(?:\.\d+)?)\s*([kMGT]?)(i?)B", re.IGNORECASE)
 _POWERS = {"": 0, "K": 1, "M": 2, "G": 3, "T": 4}
 
 
-def checkpoints_of(chosen: Checkpoint) -> Checkpoints | MemoryLimit:
-    """The loops that keep snapshots, by what the user calls them, and how many each keeps; or a limit.
+def recording_of(checkpoint: Checkpoint, memory: Economy | None = None, carried: Recording = _PLAIN) -> Recording:
+    """What is carried, with what `checkpoint` and `memory` say in its place; raises S2sadError (S408).
 
-    >>> checkpoints_of("1.5 GB"), checkpoints_of("2 MiB"), checkpoints_of({"k": 20})[0][1].count
-    (MemoryLimit(bytes=1500000000), MemoryLimit(bytes=2097152), 20)
+    >>> recording_of("1.5 GB").limit, recording_of("2 MiB", "least"), recording_of({"k": 20}).loops[0][1].count
+    (1500000000, Recording(loops=(), limit=2097152, memory='least'), 20)
     """
-    if chosen is None or isinstance(chosen, MemoryLimit):
-        return chosen or ()
-    if isinstance(chosen, str) or not isinstance(chosen, Iterable):
-        return _limit_of(chosen)
+    if isinstance(checkpoint, Recording):
+        carried = checkpoint
+    elif checkpoint is not None:
+        one = isinstance(checkpoint, str) or not isinstance(checkpoint, Iterable)
+        loops, limit = ((), _limit_of(checkpoint)) if one else (_loops_of(checkpoint), 0)
+        carried = replace(carried, loops=loops, limit=limit)
+    if memory is None:
+        return carried
+    if memory not in ECONOMIES:
+        raise S2sadError(Diagnostic("S408", f"memory is {memory!r}", help=f"say {', '.join(map(repr, ECONOMIES))}"))
+    return replace(carried, memory=memory)
+
+
+def _loops_of(chosen: Any) -> Checkpoints:
+    """The loops that keep snapshots, by what the user calls them, and how many each keeps."""
     found: tuple[tuple[Any, Any], ...] = tuple(dict(chosen).items())
     return tuple((loop, _snapshots_of(loop, snapshots)) for loop, snapshots in found)
 
 
-def _limit_of(chosen: Any) -> MemoryLimit:
+def _limit_of(chosen: Any) -> int:
     """A number of bytes, or one with its unit."""
     if isinstance(chosen, str):
         said = _LIMIT.fullmatch(chosen.strip())
@@ -45,7 +60,7 @@ def _limit_of(chosen: Any) -> MemoryLimit:
         size = int(chosen) if isinstance(chosen, (int, np.integer)) and not isinstance(chosen, bool) else 0
     if size < 1:
         raise _unclear(f"checkpoint is {chosen!r}")
-    return MemoryLimit(size)
+    return size
 
 
 def _snapshots_of(loop: Any, chosen: Any) -> Snapshots:
