@@ -5,6 +5,8 @@
             m = max(m, x[i])
         return m
 
+in A-normal form:
+
     def f(x, m):                        def f(x, m):
         m_1 = m                             m_1 = m
         for i in range(len(x)):             for i in range(len(x)):
