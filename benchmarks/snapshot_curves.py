@@ -12,6 +12,8 @@ from importlib.util import find_spec
 from time import process_time
 from typing import Any
 
+import numpy as np
+
 import s2sad
 from benchmarks.peers.sections import Chapter, Picture, Section
 from benchmarks.snapshots import KERNELS, given, gradient
@@ -20,7 +22,8 @@ from s2sad.run.memory.step_counts import runs_of_steps
 
 STEPS, COUNTS, ROUNDS = 1000, (2, 5, 20, 100), 7
 QUICK_STEPS, QUICK_COUNTS, QUICK_ROUNDS = 60, (2, 60), 3
-PEERS = {"jax": "JAX's jax.checkpoint with scan", "equinox": "Equinox's checkpointed loop"}
+PEERS = {"jax": "JAX's jax.checkpoint over chunks of a scan", "equinox": "Equinox's checkpointed loop"}
+LOOPS = {"jax": "in_chunks", "equinox": "checkpointed"}      # of `peers.with_jax`
 MINUTES = 12.0
 
 
@@ -34,9 +37,26 @@ def measure(quick: bool) -> dict[str, Any]:
         curve = [_point(s2sad.differentiate(kernel, engine="numba", checkpoint={loop: count}), wrt, arguments, rounds,
                         count) for count in counts]
         kernels[name] = {"recorded": _point(recorded, wrt, arguments, rounds, 0), "curve": curve,
-                         "primal": _median(partial(_primal, recorded, arguments), rounds)}
+                         "primal": _median(partial(_primal, recorded, arguments), rounds),
+                         "peers": _peers(name, gradient(wrt)(recorded, arguments)[wrt], arguments, counts, rounds)}
     return {"steps": steps, "kernels": kernels, "load": os.getloadavg()[0], "cores": os.cpu_count(),
             "peers": {name: find_spec(name) is not None for name in PEERS}}
+
+
+def _peers(name: str, expected: Any, arguments: tuple[Any, ...], counts: tuple[int, ...], rounds: int
+           ) -> dict[str, list[dict[str, float]]]:
+    """The same points of the loops of other tools, whose gradients must be equal."""
+    if not find_spec("jax") or name == "integrate_until":       # its number of steps is not known
+        return {}
+    from benchmarks.peers import with_jax
+    found: dict[str, list[dict[str, float]]] = {}
+    for tool in filter(find_spec, PEERS):
+        points = found[tool] = []
+        for count in counts:
+            run, taken = with_jax.stepped_gradient(name, arguments, getattr(with_jax, LOOPS[tool])(count))
+            np.testing.assert_allclose(np.asarray(run()), expected, rtol=1e-6, atol=1e-9 * np.abs(expected).max())
+            points.append({"snapshots": count, "bytes": taken, "time": _median(run, rounds)})
+    return found
 
 
 def _primal(f: Any, arguments: tuple[Any, ...]) -> Any:
@@ -78,6 +98,13 @@ def render(found: dict[str, Any]) -> Chapter:
                                f"{runs_of_steps(steps, count) / steps:.2f}" if counted else "" if count else "1.00",
                                f"{point['bytes'] / 1e6:.2f}" if point["bytes"] else "grows", seconds(point["time"]),
                                f"{point['time'] / recorded['time']:.2f}", f"{point['time'] / of['primal']:.2f}"))
+    others = Table("The same gradients by loops of JAX, whose memory is what its compiler says", (
+        "kernel", "loop", "snapshots", "memory, MB", "time", "over s2sad's with as many"))
+    for name, of in found["kernels"].items():
+        for tool, points in of.get("peers", {}).items():
+            for point, own in zip(points, of["curve"]):
+                others.rows.append((name, PEERS[tool], str(point["snapshots"]), f"{point['bytes'] / 1e6:.2f}",
+                                    seconds(point["time"]), f"{point['time'] / own['time']:.2f}"))
     absent = [PEERS[name] for name, there in found["peers"].items() if not there]
     table.notes = [f"The load of the machine was {found['load']:.1f} on {found['cores']} cores when this was measured.",
                    *([f"Not installed, and not compared: {', '.join(absent)}."] if absent else [])]
@@ -86,7 +113,7 @@ def render(found: dict[str, Any]) -> Chapter:
         "state alone.",
         Picture("snapshots", "time of a gradient against what it keeps, a curve for each kernel",
                 partial(_draw, found)),
-        table])
+        table, *([others] if others.rows else [])])
 
 
 def _draw(found: dict[str, Any], figure: Any) -> None:

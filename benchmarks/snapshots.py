@@ -29,8 +29,8 @@ from s2sad.runtime import crowded, runs_again
 
 FEW, ROUNDS = 500, 20           # steps of which the times of one are taken, and how often
 MOST = 1.1          # of the predicted time
-ROWS = (("integrate", 100_000, 100, ""), ("integrate_until", 100_000, 100, ""),
-        ("integrate_until", 100_000, 10_000, "disk"), ("glacier", 10_000, 50, ""), ("lattice", 10_000, 50, ""))
+ROWS = (("integrate", 1_000_000, 100, ""), ("integrate_until", 1_000_000, 100, ""),
+        ("integrate_until", 1_000_000, 10_000, "disk"), ("glacier", 10_000, 50, ""), ("lattice", 10_000, 50, ""))
 
 
 def integrate_until(u, p, dt, end):

@@ -12,6 +12,7 @@ from benchmarks.gradbench.kernels.gmm import log_multigamma
 from benchmarks.peers.problems import Problem, Run, Unsupported
 
 _CHECKPOINT = ContextVar("_CHECKPOINT", default=False)
+_LOOP = ContextVar("_LOOP", default=None)
 jax.config.update("jax_enable_x64", True)
 
 
@@ -40,8 +41,47 @@ def prepare(variant, kernel, problem: Problem) -> Run:
 
 
 def repeated(step, state, steps):
+    return (_LOOP.get() or scanned)(step, state, steps)
+
+
+def scanned(step, state, steps):
     body = remembered(step)
     return jax.lax.scan(lambda state, _: (body(state), None), state, None, length=steps)[0]
+
+
+def in_chunks(count):
+    """A loop of `count` scans, each of which runs again from the state that it finds."""
+    def loop(step, state, steps):
+        inner, left = divmod(steps, count)
+        chunk = jax.checkpoint(lambda state, _: (scanned(step, state, inner), None))
+        return scanned(step, jax.lax.scan(chunk, state, None, length=count)[0], left)
+    return loop
+
+
+def checkpointed(count):
+    """Equinox's loop over so many checkpoints."""
+    from equinox.internal import scan
+
+    def loop(step, state, steps):
+        return scan(lambda state, _: (step(state), None), state, None, length=steps, kind="checkpointed",
+                    checkpoints=count)[0]
+    return loop
+
+
+def stepped_gradient(kernel, arguments, loop):
+    """The compiled gradient of a kernel's result, or of its sum, with respect to its first argument, on arrays that JAX
+    holds; and the bytes that it takes beside them."""
+    first, *others = arguments
+
+    def value(first):
+        return jnp.sum(KERNELS[kernel](first, *others))
+    token = _LOOP.set(loop)
+    try:
+        made = jax.jit(jax.grad(value)).lower(first).compile()
+    finally:
+        _LOOP.reset(token)
+    held = jax.device_put(first)
+    return lambda: jax.block_until_ready(made(held)), made.memory_analysis().temp_size_in_bytes
 
 
 def remembered(step):
