@@ -43,6 +43,7 @@ from s2sad.naming import Names
 from s2sad.passes import Watch, unwatched
 from s2sad.tree import FunctionDef
 from s2sad.units import Place, UnitDerivative, Unit, Units, check_outlined, loops_that_keep, user_names
+from s2sad.units.bounds import index_limits
 from s2sad.units.fast_functions import aliased_derivatives, fast, fast_primal, fast_sweeps
 
 __all__ = ["EntrySummary", "derive", "summary"]
@@ -84,6 +85,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     units.memory = request.recording.memory
     if request.engine == "numba":
         compilable(units)
+    limits = index_limits(unit, units) if request.engine == "numba" else None
     if request.mode == "primal":
         parameters = primals(unit, units)
         functions = primal_functions(units, [unit.title])
@@ -95,13 +97,14 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         printed = module(functions, header=[f"The primal of {unit.kernel.name}."], constants=program.constants,
                          standalone=request.standalone)
         guards, places = line_table(printed, sources)
-        return Generated(printed.text, unit.title, parameters, ("result",), {"guards": guards, "places": places})
+        return Generated(printed.text, unit.title, parameters, ("result",), {
+            "guards": guards, "places": places, "index_limits": limits})
     wanted = DerivativeRequest(request.wrt, expanded(request.of, unit), request.with_primal, split=request.split)
     derived = units.derive(request.mode, unit, wanted)
     units.keep_derived(derived)
     made = [f for d in units.derived.values() for f in d.functions]
     found = facts(derived, request, units) | {"unshadowed": missing_shadows(
-        unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges)}
+        unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges), "index_limits": limits}
 
     sharing = aliased_derivatives(units)
 

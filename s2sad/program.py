@@ -277,6 +277,14 @@ class SnapshotLoop:
 
 
 @dataclass(frozen=True)
+class IndexLimit:
+    """An affine form of the arguments of a call: each term has a parameter's name, an axis, of which the size counts
+    (None for an integer), and a factor."""
+    terms: tuple[tuple[str, int | None, int], ...]
+    constant: int
+
+
+@dataclass(frozen=True)
 class Generated:
     """A generated module: its text, the entry function's name and signature, and what is to be reported.
 

@@ -89,7 +89,8 @@ def describe(args: Sequence[Any]) -> tuple[Any, ...]:
     """A key that is equal only for arguments that may take the same compiled function: of each all that `kernel_value`
     and the types depend on, and the layout of arrays."""
     array = np.ndarray
-    return tuple([(a.dtype, a.ndim if 1 not in a.shape else of_value(a), a.flags.num) if (kind := type(a)) is array
+    return tuple([(a.dtype, a.ndim if 1 not in a.shape else tuple([n == 1 for n in a.shape]), a.flags.num)
+                  if (kind := type(a)) is array
                   else kind if kind in _PLAIN or kind is int and _LEAST <= a < _BEYOND else _described(a)
                   for a in args])
 

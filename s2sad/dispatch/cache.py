@@ -20,6 +20,7 @@ from s2sad.run.compiler_lock import COMPILER_LOCK
 from s2sad.dispatch.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError, WaitingForFacts
 from s2sad.dispatch.executable import HIDDEN, Executable
+from s2sad.dispatch.index_check import IndexCheck
 from s2sad.dispatch.limited_memory import LimitedMemory
 from s2sad.dispatch.split_executable import SplitExecutable
 from s2sad.live_objects.guards import Guards, Path, VaryingNumber, current, recording
@@ -278,6 +279,9 @@ class ProgramVersion:
                 summary = self.summary(request.types)
                 made = self._variants[key] = loaded(generated, engine, summary, self.kernel.name, self.registered,
                                                     self.function)
+                if engine == "numba":
+                    check = IndexCheck(generated, lambda values: self._run_checked(values, request.types, engine))
+                    made.check_indices = check if check.is_needed else None
                 if recording.limit:
                     made.limited = LimitedMemory(recording.limit, self.kernel.name, summary.written,
                                                  lambda loops: self.variant(
@@ -302,11 +306,19 @@ class ProgramVersion:
         return _with_trailing(variant.call, tuple(values[h] for h in hidden)) if hidden else variant.call
 
     def check_bounds(self, values: Sequence[Any], engine: str) -> None:
-        """Runs the primal with bounds checks on copies, so that an index out of bounds raises before any write."""
-        types = self.types(values)
+        """Raises where the primal asks for an element that is not there, before anything is written."""
+        if chosen(engine) != "numpy":
+            variant = self.variant(Request("primal", self.types(values), (), ()), engine)
+            if variant.check_indices is not None:
+                variant.check_indices(variant.assemble(
+                    dict(zip(self.parameters, values)), {}, (), self.arrays_by_name()))
+
+    def _run_checked(self, given: Mapping[str, Any], types: tuple[Type, ...], engine: str) -> None:
+        """Runs the primal with bounds checks on copies, once for these types."""
         key = ("first run", types)
-        if chosen(engine) == "numpy" or key in self.entries:
+        if key in self.entries:
             return
+        values = [given[p] for p in self.parameters]
         variant = self.variant(Request("primal", types, (), ()), engine)
         text = quiet(variant.generated.text)
         guards = tuple(variant.generated.facts.get("guards", ()))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from s2sad.dispatch.deferred import compiler
+from s2sad.dispatch.index_check import IndexCheck
 from s2sad.dispatch.limited_memory import LimitedMemory
 from s2sad.dispatch.memory_check import MemoryCheck
 from s2sad.dispatch.tape_reuse import TapeReuse
@@ -65,8 +66,10 @@ class OnDisk:
 
 class Executable:
     """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked. One with
-    `limited` memory has calls run by others, which keep snapshots."""
+    `limited` memory has calls run by others, which keep snapshots; `check_indices` looks at what may be out of
+    bounds."""
     limited: LimitedMemory | None = None
+    check_indices: IndexCheck | None = None
 
     def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
                  registered: tuple[RegisteredRule, ...] = (), function: FunctionType | None = None):
@@ -147,11 +150,14 @@ class Executable:
         if self._pick is None:
             return () if self._only is None else self.check((arguments[self._only],))
         shared = self.check(self._pick(arguments))
-        return tuple(self.array_places[k] for k in shared)
+        return tuple([self.array_places[k] for k in shared]) if shared else ()
 
     def for_call(self, arguments: list[Any] | tuple[Any, ...], copies: int = 0) -> Executable:
-        """What runs a call whose caller makes `copies`; raises S2sadError where the memory cannot be had."""
+        """What runs a call whose caller makes `copies`; raises S2sadError where the memory cannot be had, IndexError
+        where an index is out of bounds."""
         found = self
+        if self.check_indices is not None:
+            self.check_indices(arguments)
         if self.limited is not None:
             taken = self.generated.facts.get("taken", self.parameters)
             values = {p.name: a for p, a in zip(taken, arguments) if p.role == "primal"}

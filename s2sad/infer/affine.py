@@ -5,7 +5,7 @@ say "perhaps" where there is none, never the reverse.
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from math import gcd
 
@@ -44,6 +44,14 @@ class Affine:
 
     def shift(self, number: int) -> Affine:
         return Affine(self.terms, self.constant + number)
+
+    def replaced(self, forms: Mapping[str, Affine]) -> Affine:
+        """The form with forms in place of symbols."""
+        made = Affine.of({s: c for s, c in self.terms if s not in forms}, self.constant)
+        for symbol, coefficient in self.terms:
+            if symbol in forms:
+                made = made.plus(forms[symbol], coefficient)
+        return made
 
     def renamed(self, mapping: Mapping[str, str]) -> Affine:
         return Affine.of({mapping[s]: c for s, c in self.terms}, self.constant)
@@ -86,6 +94,25 @@ def feasible(system: list[Affine]) -> bool:
         forms = _eliminate(forms, _cheapest(forms))
 
 
+def projected(system: list[Affine], kept: Collection[str]) -> list[Affine] | None:
+    """Forms in the symbols `kept` alone that are all >= 0 wherever those of the system are, for some values of its
+    other symbols; None if integers for which they are cannot exist.
+
+    >>> i, n, m = map(Affine.symbol, "inm")
+    >>> set(projected([i, at_most(i.shift(1), n), at_most(m, i)], {"n", "m"})) == {n.shift(-1), at_most(m.shift(1), n)}
+    True
+    """
+    if not feasible(system):
+        return None
+    forms = {_tight(f) for f in system}
+    while True:
+        forms = {f for f in forms if f.terms}
+        others = {f for f in forms if any(s not in kept for s, _ in f.terms)}
+        if not others or len(forms) > _LIMIT:
+            return sorted(forms - others, key=repr)
+        forms = _eliminate(forms, _cheapest(others, kept))
+
+
 def _tight(form: Affine) -> Affine:
     divisor = 0
     for _, coefficient in form.terms:
@@ -95,14 +122,15 @@ def _tight(form: Affine) -> Affine:
     return Affine(tuple((s, c // divisor) for s, c in form.terms), form.constant // divisor)
 
 
-def _cheapest(forms: set[Affine]) -> str:
+def _cheapest(forms: set[Affine], kept: Collection[str] = ()) -> str:
+    """The symbol whose elimination makes the fewest forms, none of those that are `kept`."""
     up: dict[str, int] = {}
     down: dict[str, int] = {}
     for form in forms:
         for symbol, coefficient in form.terms:
             side = up if coefficient > 0 else down
             side[symbol] = side.get(symbol, 0) + 1
-    return min(sorted({*up, *down}), key=lambda s: up.get(s, 0) * down.get(s, 0))
+    return min(sorted({*up, *down}.difference(kept)), key=lambda s: up.get(s, 0) * down.get(s, 0))
 
 
 def _eliminate(forms: set[Affine], symbol: str) -> set[Affine]:

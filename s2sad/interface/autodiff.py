@@ -130,8 +130,6 @@ class AnnotatedCall:
         shared = variant.shared_arrays(arguments)
         copied = [by_name[state.parameters[k]] for k in self.written] if self.keeps else []
         variant = variant.for_call(arguments, sum(array.nbytes for array in copied))
-        if not self._ready:
-            state.check_bounds(values, self.engine)
         if self.keeps or state.arrays:
             own = dict(zip(state.parameters, state.with_private_copies(values, self.types))) if self.keeps else by_name
             arguments = variant.assemble(own, shadows, ordered, state.private_outside_arrays(self.types))

@@ -33,7 +33,6 @@ class ShadowCall:
         arguments = self._arguments(args)
         self.variant.shared_arrays(arguments)
         runs = self.variant.for_call(arguments)
-        state.check_bounds(values, self.variant.engine)
         runs.prepare(arguments)
         self._direct = not self._coercions and not self._hidden
         self._bare = self.variant.engine == "numba" and not any(p.type.is_array for p in self.variant.seeds)

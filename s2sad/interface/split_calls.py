@@ -83,7 +83,6 @@ class SplitCall:
         self.variant = variant
         self.shadowed = [p for p in variant.parameters if p.role == "shadow" and p.type.is_array]
         self._seed_places = places([p.primal for p in variant.seeds])
-        state.check_bounds(values, variant.engine)
         self._runs(self._arguments(values)).prepare_call(self._arguments(values))
         self._prepared: set[SplitExecutable] = set()        # those whose reverse sweep is compiled
 

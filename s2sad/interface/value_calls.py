@@ -70,14 +70,13 @@ class PreparedCall:
 
     def call(self, variant: Executable, values: Mapping[str, Any], shadows: Mapping[str, Any],
                seeds: Sequence[Any] = ()) -> tuple[Any, ...]:
-        """Calls the derivative; the first time it is compiled, and the primal run with bounds checks."""
+        """Calls the derivative; the first time it is compiled."""
         arguments = variant.assemble(values, shadows, seeds, self.state.private_outside_arrays(self.types))
         copies = sum(a.nbytes for a in shadows.values() if isinstance(a, np.ndarray))
         copies += sum(a.nbytes for p, a in zip(variant.parameters, arguments)
                       if p.role == "primal" and p.name in self.summary.written)
         variant = variant.for_call(arguments, copies)
         if not self._ready:
-            self.state.check_bounds([values[n] for n in self.names], self.engine)
             variant.prepare(arguments)
             self._ready = True
         return variant.run(arguments)

@@ -4,6 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from s2sad.liveness import Accesses, Liveness
+from s2sad.analyze.index_systems import IndexBounds
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.differentiate.user_functions import UserFunction
 from s2sad.infer.inference import Typing
@@ -48,6 +49,7 @@ class Unit:
     numbers: dict[str, str] = field(default_factory=dict)
     lowered_types: dict[str, Type] = field(default_factory=dict)
     contiguous: tuple[int, ...] = ()            # the parameters that must be
+    index_bounds: IndexBounds | None = None     # of the kernel as it is run, once asked for
 
     @property
     def owner(self) -> UserFunction:

@@ -32,6 +32,7 @@ class CallSite:
     bound: frozenset[str] = frozenset()
     places: tuple[Affine, ...] = ()
     others: tuple[Affine, ...] = ()
+    several: frozenset[str] = frozenset()       # names bound several times that are symbols where they are mentioned
     remainders: dict[str, tuple[Affine, int]] = field(default_factory=dict)     # what the symbol of a quotient divides
 
     def size(self, node: AST) -> Affine | None:
@@ -60,10 +61,11 @@ class CallSite:
     def _named(self, node: Name) -> Affine | None:
         """The form of a name: what it is bound to may be what a counter was, if it is not bound on every way."""
         symbol, value = Affine.symbol(dump(node)), self.shapes.values.get(node.id)
-        if node.id in self.counters:
+        if node.id in self.counters or node.id in self.several:
             return symbol
         if value is not None:
-            return (self.size(value) if node.id in self.bound else None) or symbol
+            here = replace(self, several=frozenset()) if self.several else self     # they may have changed since
+            return (here.size(value) if node.id in self.bound else None) or symbol
         return None if dump(node) in self.counting else self.shapes.size(node)
 
     def is_place(self, form: Affine) -> bool:
@@ -80,12 +82,16 @@ class CallSite:
 
     def may(self, system: list[Affine]) -> bool:
         """Whether a system of forms that are not negative may have a solution here."""
-        known, least = [*self.places, *system], self.shapes.lower_bounds()
+        return feasible(self.with_bounds([*self.places, *system]))
+
+    def with_bounds(self, system: list[Affine]) -> list[Affine]:
+        """The system with what is known of its symbols: of sizes, of counters, and of quotients by numbers."""
+        known, least = [*system], self.shapes.lower_bounds()
         for quotient in sorted({s for form in known for s, _ in form.terms if s in self.remainders}):
             form, divisor = self.remainders[quotient]
             known += [form, at_most(form, Affine((), divisor - 1))]
         symbols = sorted({s for form in known for s, _ in form.terms})
-        return feasible([*known, *(Affine.symbol(s).shift(-least[s]) for s in symbols if s in least)])
+        return [*known, *(Affine.symbol(s).shift(-least[s]) for s in symbols if s in least)]
 
     def within(self, loop: For) -> CallSite:
         """The place inside a loop that counts."""

@@ -1,0 +1,249 @@
+"""Which arguments are known to keep a kernel within its arrays: never any with which it asks for more."""
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from s2sad import pipeline, read
+from s2sad.dispatch.index_check import condition
+from s2sad.infer.types import of_value
+from s2sad.program import Request
+from tests.harness.seeds import generator, seeded
+
+
+def inside(path, text, sample):
+    """A function of arguments that says whether they are known to keep the kernel `f` of a text within its arrays."""
+    path.write_text(f"import numpy as np\n\n\n{text}")
+    types = tuple(of_value(value).plain for value in sample)
+    made = pipeline.derive(read.load_file(path, "f"), Request("primal", types, (), (), "numba"))
+    limits = made.facts["index_limits"]
+    if limits is None:
+        return lambda arguments: False
+    return condition(limits, {p.name: k for k, p in enumerate(made.parameters)})
+
+
+def runs(text, arguments):
+    """Whether NumPy runs the kernel without an index out of bounds."""
+    space = {"np": np}
+    exec(text, space)
+    try:
+        space["f"](*(a.copy() if isinstance(a, np.ndarray) else a for a in arguments))
+    except IndexError:
+        return False
+    return True
+
+
+def array(*shape):
+    return np.zeros(shape)
+
+
+KERNELS = {
+    "neighbours": ("""def f(x, y):
+    n = len(x)
+    for i in range(1, n - 1):
+        y[i] = x[i - 1] + x[i + 1]
+""", [(array(5), array(5)), (array(5), array(4)), (array(2), array(0)), (array(0), array(0))], [(array(6), array(4))]),
+    "one too small": ("""def f(x, y):
+    for i in range(x.shape[0]):
+        y[i + 1] = x[i]
+""", [(array(3), array(4)), (array(0), array(0))], [(array(3), array(3)), (array(1), array(1))]),
+    "a negative step": ("""def f(x, y, n):
+    for i in range(n, 0, -2):
+        y[i] = x[i - 1]
+""", [(array(4), array(5), 4), (array(0), array(0), 0)], [(array(4), array(4), 4), (array(3), array(9), 4)]),
+    "counted from the end": ("""def f(x, y, k):
+    y[0] = x[-1] + x[-k]
+""", [(array(3), array(1), 3), (array(1), array(1), -0)], [(array(3), array(1), 4), (array(0), array(1), 1)]),
+    "around the end": ("""def f(x):
+    for i in range(x.shape[0]):
+        x[i] = x[i - 1]
+""", [(array(3),), (array(1),), (array(0),)], []),
+    "no trip": ("""def f(x, n):
+    for i in range(n):
+        x[i + 100] = 1.0
+""", [(array(3), 0), (array(3), -7)], [(array(3), 1)]),
+    "a branch": ("""def f(x, y, k):
+    for i in range(x.shape[0]):
+        if i > 0 and i < k:
+            y[i - 1] = x[i]
+        elif i == 0:
+            y[k] = x[i]
+""", [(array(5), array(4), 3)], [(array(5), array(4), 4), (array(5), array(3), 9)]),
+    "a helper": ("""def shift(a, b, n):
+    for i in range(n):
+        b[i] = a[i + 1]
+
+
+def f(x, y):
+    shift(x, y, y.shape[0])
+    shift(y, x, 2)
+""", [(array(4), array(3))], [(array(4), array(4)), (array(3), array(2))]),
+    "rows that a helper is given": ("""def total(a):
+    s = 0.0
+    for i in range(3):
+        s += a[i]
+    return s
+
+
+def f(x, y):
+    for k in range(x.shape[0]):
+        y[k] = total(x[k]) + total(x[k, :])
+""", [(array(4, 3), array(4))], [(array(4, 2), array(4)), (array(4, 3), array(3))]),
+    "an index that a helper finds": ("""def wrap(i, n):
+    if i < 0:
+        return i + n
+    if i != n:
+        return i
+    return 0
+
+
+def f(x, y):
+    n = y.shape[0]
+    for i in range(n):
+        y[i] = x[wrap(i + 1, n)] - x[wrap(i - 1, n)]
+""", [(array(4), array(4)), (array(5), array(4))], [(array(3), array(4))]),
+    "the place of a maximum": ("""def f(x, y):
+    place = 0
+    for j in range(x.shape[0]):
+        if x[j] > x[place]:
+            place = j
+    y[0] = x[place]
+""", [(array(3), array(1))], [(array(0), array(1)), (array(3), array(0))]),
+    "an array of a size that is cut off at 0": ("""def f(x, n):
+    work = np.zeros(max(n - 2, 0))
+    for i in range(work.shape[0]):
+        work[i] = x[i]
+    x[5] = np.sum(work)
+""", [(array(6), 4), (array(6), 0)], [(array(3), 0), (array(6), 9)]),
+    "remainders and quotients": ("""def f(x, y):
+    for i in range(2 * y.shape[0]):
+        y[i // 2] = y[i // 2] + x[i % 3] + x[i % x.shape[0]]
+""", [(array(3), array(4))], [(array(2), array(4))]),
+    "a name that one of several ways binds": ("""def f(x, y, k):
+    place = 0
+    if k > 0:
+        x[place] = 1.0
+        if k > 1:
+            place = len(y)
+    else:
+        x[place] = 2.0
+    y[place] = 1.0
+""", [(array(3), array(2), 1)], [(array(3), array(2), 2)]),
+    "the least of two sizes": ("""def f(x, y):
+    n = min(x.shape[0], y.shape[0])
+    for i in range(n):
+        y[i] = x[n - 1 - i]
+    if n > 2:
+        y[max(n - 3, 1)] = 0.0
+""", [(array(3), array(4)), (array(9), array(4))], []),
+}
+
+
+@pytest.mark.parametrize("title", KERNELS)
+def test_arguments_are_told_apart(title, tmp_path):
+    text, within, beyond = KERNELS[title]
+    known = inside(tmp_path / "kernel.py", text, within[0])
+    assert all(runs(text, arguments) and known(arguments) for arguments in within)
+    assert not any(runs(text, arguments) or known(arguments) for arguments in beyond)
+
+
+UNKNOWN = {
+    "an index out of an array": ("def f(x, k):\n    x[k[0]] = 1.0\n", (array(3), np.array([2]))),
+    "an array of indices": ("def f(x, k):\n    return np.sum(x[k])\n", (array(3), np.array([2]))),
+    "a number that a loop counts up": ("""def f(x, y):
+    k = 0
+    for i in range(x.shape[0]):
+        if x[i] > 0.0:
+            y[k] = x[i]
+            k += 1
+""", (array(3), array(3))),
+    "a loop without a counter": ("""def f(x):
+    i = 0
+    while x[i] < 1.0:
+        x[i] += 1.0
+        i = i + 1
+""", (array(3),)),
+    "an index of another loop": ("""def wrap(i, n):
+    if i == n:
+        return 0
+    return i
+
+
+def f(x, y):
+    for i in range(10):
+        place = wrap(i, 20)
+    for i in range(2):
+        y[i] = x[place]
+""", (array(5), array(2))),
+    "a product of sizes": ("def f(x, n, m):\n    for i in range(n * m):\n        x[i] = 1.0\n", (array(6), 2, 3)),
+    "a size that changes": ("""def f(x, n):
+    m = n
+    work = np.zeros(m)
+    for k in range(3):
+        m = m - 1
+        work = np.zeros(m)
+    x[0] = work[n - 1 - 3]
+""", (array(3), 6)),
+}
+
+
+@pytest.mark.parametrize("title", UNKNOWN)
+def test_what_nothing_is_known_of(title, tmp_path):
+    text, sample = UNKNOWN[title]
+    assert not inside(tmp_path / "kernel.py", text, sample)(sample)
+
+
+def written(rng):
+    """A kernel with loops, branches, a helper, numbers that are bound several times and sizes of all kinds."""
+    symbols = ["n", "k", "x.shape[0]", "len(y)", "x.shape[1]"]
+
+    def form(names, depth=1):
+        choice = rng.integers(0, 8 if depth else 4)
+        if choice < 4:
+            return f"{rng.choice(names)} {'+-'[rng.integers(2)]} {rng.integers(0, 3)}"
+        inner = form(names, depth - 1), form(names, depth - 1)
+        return (f"max({inner[0]}, {inner[1]})", f"min({inner[0]}, {inner[1]})",
+                f"({inner[0]}) % ({rng.integers(1, 4)})", f"moved({inner[0]}, {rng.choice(symbols)})")[choice - 4]
+
+    def store(names):
+        index = ", ".join(f"({form(names)})" for _ in range(2))
+        return rng.choice([f"y[{form(names)}] = x[{index}]", f"x[{index}] = y[{form(names)}]",
+                           f"work[{form(names)}] = y[{form(names)}]", f"place = {form(names)}",
+                           f"y[place] = {form(names)}"])
+
+    def block(names, depth, indent):
+        lines = []
+        for _ in range(rng.integers(1, 3)):
+            choice = rng.integers(0, 4) if depth else 3
+            counter = f"i{len(names)}"
+            if choice < 2:
+                step = rng.choice(["", "", ", 2", ", -1"])
+                bounds = f"{form(names, 0)}, {form(names, 0)}{step}"
+                lines += [f"{indent}for {counter} in range({bounds}):",
+                          *block([*names, counter, counter, counter], depth - 1, indent + "    ")]
+            elif choice == 2:
+                test = f"{form(names, 0)} {rng.choice(['<', '>=', '==', '!='])} {form(names, 0)}"
+                lines += [f"{indent}if {test}:", *block(names, depth - 1, indent + "    "), f"{indent}else:",
+                          *block(names, depth - 1, indent + "    ")]
+            else:
+                lines.append(indent + store(names))
+        return lines
+    helper = ("def moved(i, m):\n    if i < 0:\n        return i + m\n    if i >= m and i != 3:\n        return i - m\n"
+              "    return i\n\n\n")
+    return (f"{helper}def f(x, y, n, k):\n    place = 0\n    work = np.zeros(max({form(symbols, 0)}, 0))\n"
+            + "\n".join(block(symbols, 3, "    ")) + "\n")
+
+
+@pytest.mark.parametrize("program", range(20))
+def test_what_is_known_holds(program, tmp_path):
+    """Random kernels with random sizes: where they are known to stay within their arrays, NumPy runs them."""
+    rng = generator(seeded(program))
+    text = written(rng)
+    known = inside(tmp_path / "kernel.py", text, (array(2, 2), array(2), 1, 1))
+    sizes = itertools.product(range(3), range(3), range(4), range(-1, 4), range(-1, 3))
+    for rows, columns, length, n, k in sizes:
+        arguments = array(rows, columns), array(length), n, k
+        if known(arguments):
+            assert runs(text, arguments), (text, rows, columns, length, n, k)
