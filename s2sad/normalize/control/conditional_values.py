@@ -27,9 +27,11 @@ from s2sad.infer.promotion import promote
 from s2sad.naming import Names
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
-    AST, Assign, AugAssign, BoolOp, Expr, For, FunctionDef, If, Name, NotEq, Or, Return, While, assign, at, call_name,
-    compare, const, copy, name, rebuild, walk_statements, with_body,
+    AST, Assign, AugAssign, BoolOp, Expr, For, FunctionDef, If, List, Name, NotEq, Or, Return, Tuple, While, assign, at,
+    call_name, compare, const, copy, name, rebuild, user_call, walk, walk_statements, with_body,
 )
+
+ARRAYS = ("numpy.array", "numpy.asarray")       # of a number they have no axes
 
 
 def conditional_values(function: FunctionDef, context: NormalContext) -> FunctionDef:
@@ -38,11 +40,40 @@ def conditional_values(function: FunctionDef, context: NormalContext) -> Functio
     return with_body(function, _ConditionalValues(typing, names, _aliased_choices(function)).block(function.body))
 
 
+def refuse_added_aliases(function: FunctionDef, context: NormalContext) -> None:
+    """Refuses a number in an array without axes, `np.array(0.5)`, that is added to in place under two names."""
+    kernels = context.program.kernels
+    bound = {s.targets[0].id: s for s in walk_statements(function.body) if isinstance(s, Assign) and isinstance(
+        s.targets[0], Name) and context.typing.of(s.value).is_number}
+    held = {n: s for n, s in bound.items() if _makes_number_array(s.value) or (
+        kernel := kernels.get(user_call(s.value) or "")) and any(map(_makes_number_array, walk(kernel.tree.body)))}
+    for n in _aliased(function, set(held)) if held else ():
+        context.report.error("S201", "a number in an array without axes has two names, and is added to in place",
+                             held[n], help="leave np.array out")
+    for node in walk(function.body) if held else ():
+        kernel = kernels.get(user_call(node) or "")
+        added = {s.target.id for s in walk_statements(kernel.tree.body) if isinstance(s, AugAssign) and isinstance(
+            s.target, Name)} if kernel is not None else set[str]()
+        if kernel is not None and any(p.id in added and isinstance(a, Name) and a.id in held
+                                      for p, a in zip(kernel.tree.args.args, node.args)):
+            context.report.error("S201", "a number in an array without axes is given to a function that adds to it in "
+                                 "place", node, help="leave np.array out")
+
+
+def _makes_number_array(node: AST) -> bool:
+    return call_name(node) in ARRAYS and not isinstance(node.args[0], (List, Tuple))
+
+
 def _aliased_choices(function: FunctionDef) -> set[str]:
     """Names of a choice with an alias that is added to in place: NumPy gives an array without axes there."""
+    return _aliased(function, {s.targets[0].id for s in walk_statements(function.body) if isinstance(
+        s, Assign) and isinstance(s.targets[0], Name) and call_name(s.value) == "numpy.where"})
+
+
+def _aliased(function: FunctionDef, held: set[str]) -> set[str]:
+    """These names if another name is bound to what they are, and one of them is added to in place."""
     bound = [(s.targets[0].id, s.value) for s in walk_statements(function.body)
              if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
-    held = {n for n, value in bound if call_name(value) == "numpy.where"}
     copies: set[str] = set()
     while True:
         more = {n for n, value in bound if isinstance(value, Name) and value.id in held | copies} - copies

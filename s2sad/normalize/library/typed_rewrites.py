@@ -22,6 +22,7 @@ from s2sad.infer.scalar_reductions_types import NORM, SPREAD, reduced_number
 from s2sad.infer.types import UNKNOWN, Type
 from s2sad.infer.unit_axes import unit_axes
 from s2sad.normalize.context import NormalContext
+from s2sad.normalize.control.conditional_values import ARRAYS, refuse_added_aliases
 from s2sad.rules import find_array
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Compare, Constant, FloorDiv, FunctionDef, In, Is, IsNot, List, Mod, Mult,
@@ -29,6 +30,7 @@ from s2sad.tree import (
     tuple_of, with_body,
 )
 
+_CASTS = {dtype: name for name, dtype in CASTS.items() if name.startswith("numpy.")}
 CONJUGATING = ("conj", "conjugate")     # methods
 _REDUCING = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
 
@@ -40,6 +42,7 @@ def sum_start(items: int) -> Constant:
 
 def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef:
     typing = context.typing
+    refuse_added_aliases(function, context)
     def change(node: AST) -> AST | None:
         if isinstance(node, BinOp) and isinstance(node.op, Add) and isinstance(
                 node.left, Constant) and node.left.kind in ("start", "alone"):
@@ -57,6 +60,8 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
             return _item(node, typing.of(node.func.value), [rebuild(n, change) for n in [node.func.value, *node.args]])
         if isinstance(node, Subscript) and isinstance(node.slice, Slice) and isinstance(node.value, Attribute):
             return _shape_slice(node, typing)
+        if call_name(node) in ARRAYS and (kind := typing.of(node)).is_number:
+            return at(call(_CASTS[kind.dtype], rebuild(node.args[0], change)), node)
         if (dtype := CASTS.get(call_name(node) or "")) and isinstance(node, Call) and len(node.args) == 1 and (
                 kind := typing.of(node.args[0])).is_array and kind.dtype == dtype:
             return at(call("numpy.asarray", rebuild(node.args[0], change)), node)
