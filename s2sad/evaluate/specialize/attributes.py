@@ -129,6 +129,7 @@ def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AS
     fallback = ev.class_item(held.made, "__getattr__", node, f)
     if fallback is not None:
         return ev.call(ev.bound(fallback[1], base, held.made, node, f), [constant(name)], {}, node, f)
+    ev.throws(AttributeError, node)
     if held.made is None:
         raise ev.refusal(node, f"'{held.path or held.label}' has no attribute '{name}' here",
                          help="if it is of a class, annotate it with that, or name it, as in --types \"a: Grid{...}\"")

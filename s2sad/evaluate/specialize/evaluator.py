@@ -36,7 +36,6 @@ LARGEST_UNROLLED = 4_000        # where loops are written out for want of anythi
 
 
 Pending = tuple[Callable[[], None], tuple[Any, ...]]        # work, and the loops around it
-Transfer = Callable[["Evaluator", Any, Frame], Any]
 EXPRESSIONS: dict[str, Callable[[Evaluator, Any, Frame], Value]] = {}
 STATEMENTS: dict[str, Callable[[Evaluator, Any, Frame], None]] = {}
 
@@ -119,6 +118,7 @@ class Evaluator(Operations):
         self.returns: Callable[[AST, Value, Frame], None] = self.return_from_entry
         self.separate: Any = None                               # the functions that stay functions
         self.shared_sequence: Any = None                        # of random numbers, where the program has begun it
+        self.handlers: list[Any] = []                           # of exceptions, around
         self.mentioned: dict[int, frozenset[str]] = {}          # the names in functions' texts
 
     # -- errors ------------------------------------------------------------------------------------------------------
@@ -166,6 +166,7 @@ class Evaluator(Operations):
 
     def raises(self, name: str, arguments: Sequence[AST], node: AST) -> NoReturn:
         """An exception of the residual program's, which ends this way."""
+        self.raised_in_runs(name, node)
         self.emit(tree.Raise(tree.call(self.library(name), *arguments), None), node, True)
         raise Leave(NOWHERE)
 

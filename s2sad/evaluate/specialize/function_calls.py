@@ -145,6 +145,8 @@ def _function(ev: Evaluator, function: FunctionValue, args: Sequence[Value], key
     args, keywords = [*function.first, *args], {**dict(function.keywords), **keywords}
     if function.captured.source.path == random_numbers.__file__:
         return drawn(ev, function, args, keywords, node, f)
+    if ev.handlers:         # which catch what it raises
+        return inlined(ev, function, args, keywords, node, f)
     found = ev.separate_call(function, args, keywords, node, f)
     return inlined(ev, function, args, keywords, node, f) if found is None else found
 

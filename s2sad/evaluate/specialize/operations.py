@@ -65,6 +65,8 @@ class Operations:
     layout_of: Callable[..., Any]
     leave: Callable[..., Any]
     leave_function: Callable[..., Any]
+    throws: Callable[..., Any]
+    raised_in_runs: Callable[..., Any]
     length: Callable[..., Any]
     library_call: Callable[..., Any]
     library_member: Callable[..., Any]

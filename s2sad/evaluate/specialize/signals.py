@@ -50,6 +50,14 @@ class Reached(Exception):
         self.name, self.value, self.is_owned = name, value, is_owned
 
 
+class Raised(Exception):
+    """Something is raised whenever the kernel runs, which one of the `handlers` around catches."""
+
+    def __init__(self, handlers: Any, kind: type[BaseException]):
+        super().__init__(kind.__name__)
+        self.handlers, self.kind = handlers, kind
+
+
 NOWHERE = -1        # the mark of what nothing follows
 
 

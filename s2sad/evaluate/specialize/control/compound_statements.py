@@ -1,11 +1,11 @@
-"""with, try, match.
+"""with, match.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate.specialize.control.known_exceptions import ending, return_at_the_end
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, statement
 from s2sad.evaluate.specialize.heap import Temporary
@@ -27,7 +27,11 @@ def with_statement(ev: Evaluator, s: Any, f: Frame) -> None:
         leave = ev.attribute_of(manager, "__exit__", s, f)
         if item.optional_vars is not None:
             ev.store(item.optional_vars, entered, f)
-        _finally(ev, body, lambda: ev.call(leave, [NONE, NONE, NONE], {}, s, f), f)
+        handlers, ev.handlers = ev.handlers, []     # an exception would be given to __exit__
+        try:
+            ending(ev, body, lambda: ev.call(leave, [NONE, NONE, NONE], {}, s, f), f)
+        finally:
+            ev.handlers = handlers
     elif isinstance(manager, Data) and isinstance(manager.node, tree.Call) and item.optional_vars is None:
         ev.statements(body, f)
     else:
@@ -36,7 +40,7 @@ def with_statement(ev: Evaluator, s: Any, f: Frame) -> None:
 
 def _with_generator(ev: Evaluator, s: Any, manager: Iteration, body: list[AST], f: Frame) -> None:
     """A manager that is made of a generator: the body is evaluated where it yields."""
-    end = _return_at_the_end(ev, body)
+    end = return_at_the_end(ev, body)
     slot, entered = Temporary("result", id(s)), []
 
     def within(value: Value) -> None:
@@ -53,63 +57,6 @@ def _with_generator(ev: Evaluator, s: Any, manager: Iteration, body: list[AST], 
     ev.each_item(manager, s, f, within)
     if end is not None:
         ev.leave_function(end, ev.heap[f.reference].items[slot], f)
-
-
-@statement("Try")
-def try_statement(ev: Evaluator, s: Any, f: Frame) -> None:
-    raises = any(type(n).__name__ == "Raise" for n in tree.walk(s.body))
-    if s.handlers and (raises or not _harmless(s.body)):
-        raise ev.refusal(s, "try around what may raise is not supported in a kernel",
-                         help="test for the bad case with an if before it happens")
-    _finally(ev, [*s.body, *s.orelse], (lambda: ev.statements(s.finalbody, f)) if s.finalbody else None, f)
-
-
-def _finally(ev: Evaluator, body: list[AST], last: Callable[[], None] | None, f: Frame) -> None:
-    """Statements, and what is done whichever way they are left."""
-    if last is None:
-        ev.statements(body, f)
-        return
-    end = _return_at_the_end(ev, body)
-    body = body[:-1] if end is not None else body
-
-    def behind() -> None:
-        value = ev.atoms(ev.value(end.value, f), "result", end) if end is not None and end.value is not None else NONE
-        last()
-        if end is not None:
-            ev.leave_function(end, value, f)
-    ev.later(behind)
-    try:
-        ev.statements(body, f)
-    finally:
-        del ev.pending[-1]
-    behind()
-
-
-def _return_at_the_end(ev: Evaluator, body: Sequence[Any]) -> Any:
-    """The return that a block ends with; refuses other jumps out of it."""
-    end = body[-1] if body and type(body[-1]).__name__ == "Return" else None
-    jump = next(_jumps(body[:-1] if end is not None else body), None)
-    if jump is not None:
-        raise ev.refusal(jump, "a jump out of 'with' or 'try' is not supported in a kernel",
-                         help="keep the result under a name, and return it behind the block")
-    return end
-
-
-def _jumps(body: Sequence[Any], inside: bool = False) -> Iterator[AST]:
-    """What leaves statements; `inside` one of their loops only a return does."""
-    for s in body:
-        kind = type(s).__name__
-        if kind == "Return" or kind in ("Break", "Continue") and not inside:
-            yield s
-        if kind not in ("FunctionDef", "ClassDef"):
-            for name in ("body", "finalbody", "handlers", "cases"):
-                yield from _jumps(getattr(s, name, ()), inside or kind in ("For", "While"))
-            yield from _jumps(getattr(s, "orelse", ()), inside)
-
-
-def _harmless(body: Sequence[AST]) -> bool:
-    """Whether statements have imports alone: what is imported is there."""
-    return all(type(n).__name__ in ("Import", "ImportFrom", "Pass") for n in body)
 
 
 @statement("Match")

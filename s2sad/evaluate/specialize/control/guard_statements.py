@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate.specialize.control.known_exceptions import exception_class
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, statement
 from s2sad.evaluate.specialize.signals import Unevaluated
@@ -66,6 +67,9 @@ def raise_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     exc = s.exc
     called = exc.func if isinstance(exc, tree.Call) else exc
     meant = ev.value(called, f) if called is not None else None
+    kind = exception_class(meant)
+    if kind is not None:
+        ev.throws(kind, s)
     if not (isinstance(meant, LibraryValue) and meant.path.startswith("builtins.")):
         name = "builtins.RuntimeError"
     else:

@@ -163,6 +163,7 @@ def _setdefault(ev: Evaluator, base: Reference, args: list[Value], _: Any, node:
 def _pop(ev: Evaluator, base: Reference, args: list[Value], _: Any, node: AST, f: Frame) -> Value:
     items, key = dict(ev.heap[base].items), ev.key_of(args[0], node)
     if key not in items and not args[1:]:
+        ev.throws(KeyError, node)
         raise ev.refusal(node, f"the dict has no key {key!r}")
     found = items.pop(key, args[1] if args[1:] else NONE)
     ev.heap.set_items(base, items)

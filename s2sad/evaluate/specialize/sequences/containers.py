@@ -61,6 +61,7 @@ def picked(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Val
     if not isinstance(place, Data) or not place.is_known:
         return _by_variable(ev, base, place, node, held)
     if not -len(items) <= place.known < len(items):
+        ev.throws(IndexError, node)
         raise ev.refusal(node, f"{ev.subject(base, node)} has {len(items)} items, and no item {place.known}",
                          code="S203")
     return items[place.known]
@@ -75,6 +76,7 @@ def _value(ev: Evaluator, base: Value, held: Object, place: Value, node: AST, f:
         made = ev.call(factory, [], {}, node, f)
         ev.assign_slot(base, key, made, str(key), node)
         return ev.heap[base].items[key]
+    ev.throws(KeyError, node)
     if not ev.is_sure() and isinstance(key, (str, int)):
         ev.raises("builtins.KeyError", [tree.const(key)], node)
     if held.live is not None:

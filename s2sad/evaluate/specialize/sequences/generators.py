@@ -64,7 +64,17 @@ def each_item(ev: Evaluator, through: Value, node: AST, f: Frame, each: Callable
 def _run(ev: Evaluator, through: Iteration, node: AST, each: Callable[[Value], None]) -> None:
     frame, definition = through.more
     pending, loops, depth = len(ev.pending), len(ev.loops), ev.depth
-    frame = replace(frame, mark=pending, loops=loops, yields=each)
+    handlers = list(ev.handlers)
+
+    def outside(item: Value) -> None:
+        """Where the item goes no handler of the generator is around, unless that makes a manager."""
+        inner = ev.handlers
+        ev.handlers = inner if type(node).__name__ == "With" else list(handlers)
+        try:
+            each(item)
+        finally:
+            ev.handlers = inner
+    frame = replace(frame, mark=pending, loops=loops, yields=outside)
     ev.depth += 1
     ev.pending.append(None)
     try:
