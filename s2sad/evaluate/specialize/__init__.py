@@ -17,7 +17,9 @@ from s2sad.evaluate.specialize.control import (
     branches, choices, compound_statements, guard_statements, loop_statements, residual_loops, written_out_loops,
 )
 from s2sad.evaluate.specialize.entry import Residual, specialize, unread
-from s2sad.evaluate.specialize.functions import builtin_functions, library_calls, object_functions, standard_library
+from s2sad.evaluate.specialize.functions import (
+    builtin_functions, library_calls, object_functions, ordering, standard_library,
+)
 from s2sad.evaluate.specialize.separate import separate_call
 from s2sad.evaluate.specialize.sparse import matrix_construction, matrix_operations, matrix_values
 from s2sad.evaluate.specialize.sequences import (
@@ -31,6 +33,6 @@ __all__ = [
     "cursors", "definitions", "displays", "file_values", "frames", "function_calls", "gathering", "generators",
     "guard_statements", "iteration", "iterator_use", "library_calls", "live_values", "loop_statements",
     "matrix_construction", "matrix_operations", "matrix_values", "meanings", "nested_ranges", "numeric_operators",
-    "object_functions", "residual_loops", "separate_call", "shape_changes", "shared_rows",
+    "object_functions", "ordering", "residual_loops", "separate_call", "shape_changes", "shared_rows",
     "specialize", "spelling", "standard_library", "subscripts", "unread", "written_out_loops",
 ]

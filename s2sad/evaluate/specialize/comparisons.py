@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
+from enum import Flag
 from typing import Any
 
 from s2sad import tree
@@ -231,6 +232,8 @@ def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Fr
         return constant((ev.known(a, node, "a part of a text") in b.known) is wanted)
     if isinstance(b, Data):
         raise ev.refusal(node, "whether an array has an element is asked", help="write np.any(a == x)")
+    if isinstance(a, ObjectValue) and isinstance(b, ObjectValue) and isinstance(b.value, Flag):
+        return constant((a.value in b.value) is wanted)
     before = ev.snapshot()
     found = _any_equal(ev, a, b, node, f)
     if ev.has_acted(before):        # Python asks no further than the first that is equal

@@ -34,7 +34,7 @@ from s2sad.read.outside_values import Captured, Library, Matrix, Namespace, kind
 from s2sad.tree import AST
 
 STANDARD = ("functools", "itertools", "operator", "collections", "copy", "sys", "os", "logging", "typing", "abc",
-             "enum", "dataclasses", "contextlib", "warnings", "time")
+             "enum", "dataclasses", "contextlib", "warnings", "time", "heapq", "bisect")
 _CONTEXT_MANAGER = contextlib.contextmanager(iter).__code__        # of what is decorated so
 
 
@@ -115,7 +115,7 @@ def _standard(value: Any) -> str:
     name = getattr(value, "__qualname__", getattr(value, "__name__", ""))
     if isinstance(home, str) and callable(value) and not isinstance(value, types.MethodType):
         root = {"_functools": "functools", "_operator": "operator", "_collections": "collections",
-                "_warnings": "warnings"}.get(home, home)
+                "_warnings": "warnings", "_heapq": "heapq", "_bisect": "bisect"}.get(home, home)
         if root.partition(".")[0] in STANDARD:
             return f"{root}.{name}"
         if home == "builtins" and (isinstance(value, type) or isinstance(value, types.BuiltinFunctionType)) and (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
+from enum import Flag
 from typing import Any
 
 from s2sad import tree
@@ -13,7 +14,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins, shape
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    UNKNOWN, Data, LibraryValue, Reference, OpaqueValue, TupleValue, Value, constant, demands_of,
+    UNKNOWN, Data, LibraryValue, ObjectValue, OpaqueValue, Reference, TupleValue, Value, constant, demands_of,
 )
 from s2sad.tree import AST
 
@@ -35,6 +36,8 @@ def unary(ev: Evaluator, node: Any, f: Frame) -> Value:
             test, Data) else constant(not test)
     value = ev.value(node.operand, f)
     does, word = _UNARY[type(node.op).__name__]
+    if isinstance(value, ObjectValue) and isinstance(value.value, Flag):
+        return ev.member(does(value.value))
     own = ev.special_method(value, f"__{word}__", node, f)
     if own is not None or isinstance(value, Reference):
         return ev.call(own or ev.attribute_of(value, f"__{word}__", node, f), [], {}, node, f)
@@ -65,6 +68,9 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
             found = _overloaded(ev, OPERATORS[type(op)][1], left, right, node, f)
             if found is not None:
                 return found
+    if isinstance(left, ObjectValue) and isinstance(right, ObjectValue) and isinstance(left.value, Flag) and (
+            type(left.value) is type(right.value)):
+        return ev.member(OPERATORS[type(op)][0](left.value, right.value))
     opaque = [v for v in (left, right) if isinstance(v, OpaqueValue)]
     if opaque and not any(isinstance(v, Data) and isinstance(v.known, str) for v in (left, right)):
         return opaque[0]

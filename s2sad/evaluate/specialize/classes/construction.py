@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from enum import Enum
+from types import SimpleNamespace
 
 from s2sad.evaluate.specialize.classes.class_layout import Layout
 from s2sad.evaluate.specialize.evaluation_state import Frame
@@ -21,6 +22,11 @@ def constructed(ev: Evaluator, made: ClassValue, args: Sequence[Value], keywords
     live = made.live
     if isinstance(live, type) and issubclass(live, Enum):
         return _enum_member(ev, made, args, node)
+    if live is SimpleNamespace:
+        reference = ev.heap.new(Object("record", {}, made, label=ev.label, site=node))
+        for name, value in keywords.items():
+            ev.assign_slot(reference, name, value, f"{ev.heap[reference].label}_{name}".lstrip("_"), node)
+        return reference
     layout = ev.layout_of(made)
     if layout is not None and layout.kind == "named":
         return _named_tuple(ev, made, layout, args, keywords, node, f)

@@ -6,6 +6,7 @@ these ways go into the others: there all of them meet.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from enum import Flag
 from typing import Any
 
 from s2sad import tree
@@ -18,7 +19,7 @@ from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.control.joined_names import Way
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.control.state_joins import Join
-from s2sad.evaluate.specialize.values import FACTORY, NONE, Choice, Data, Reference, TupleValue, Value
+from s2sad.evaluate.specialize.values import FACTORY, NONE, Choice, Data, ObjectValue, Reference, TupleValue, Value
 from s2sad.tree import AST
 
 Objects = dict[int, Object]
@@ -47,8 +48,8 @@ def truth(ev: Evaluator, value: Value, node: AST, f: Frame) -> bool | Data:
     """True or False, or the test that the residual program makes."""
     if isinstance(value, Data):
         return bool(value.known) if value.is_known else value
-    if isinstance(value, Data) and value.name in ev.texts:
-        raise ev.unknown(node, "a text must be known before the run", value)
+    if isinstance(value, ObjectValue) and isinstance(value.value, Flag):
+        return bool(value.value)
     for name in ("__bool__", "__len__"):
         method = ev.special_method(value, name, node, f)
         if method is not None:

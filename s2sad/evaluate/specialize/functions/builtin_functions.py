@@ -2,14 +2,13 @@
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.classes.class_lookup import NONE_TYPE
 from s2sad.evaluate.specialize.evaluation_state import Frame
-from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
 from s2sad.evaluate.specialize.heap import Object
@@ -132,45 +131,6 @@ def _defaultdict(ev: Evaluator, args: Args, options: Options, node: AST, f: Fram
 @function("builtins.set", "builtins.frozenset")
 def _set(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     return ev.new_set(ev.items_of(args[0], node, f) if args else [], node)
-
-
-@operation
-def sorted_items(ev: Evaluator, items: list[Value], options: Options, node: AST, f: Frame) -> list[Value]:
-    """Items in the order of keys that are known."""
-    back = bool(ev.known(options["reverse"], node, "reverse=")) if "reverse" in options else False
-    return [items[k] for k in _by_keys(ev, items, options, node, f, lambda at, key: sorted(at, key=key, reverse=back))]
-
-
-def _by_keys(ev: Evaluator, items: Sequence[Value], options: Options, node: AST, f: Frame,
-             does: Callable[[range, Callable[[int], Any]], Any]) -> Any:
-    """What a function gives of the places of items whose keys are known; each key is asked for once."""
-    key = options.get("key")
-    plain = key is None or isinstance(key, Data) and key.known is None
-    keys = [_sort_key(ev, i if plain else ev.call(key, [i], {}, node, f), node) for i in items]
-    unknown = ev.refusal(node, "a list is sorted by what is not known before the run")
-    if len({str(k) for k in keys}) < len(keys) and any(type(k) is tuple and k[-1:] == (...,) for k in keys):
-        raise unknown
-    try:
-        return does(range(len(items)), keys.__getitem__)
-    except TypeError:
-        raise unknown from None
-
-
-def _sort_key(ev: Evaluator, value: Value, node: AST) -> Any:
-    """What a list is sorted by; of a tuple the items before the first that is not known, which is `...`."""
-    if not isinstance(value, TupleValue):
-        return ev.known(value, node, "what a list is sorted by")
-    known: list[Any] = []
-    for item in value.items:
-        if not (isinstance(item, Data) and item.is_known):
-            return (*known, ...)
-        known.append(item.known)
-    return tuple(known)
-
-
-@function("builtins.sorted")
-def _sorted(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
-    return ev.list_of(sorted_items(ev, ev.items_of(args[0], node, f), options, node, f), node)
 
 
 @function("builtins.isinstance")
@@ -323,18 +283,3 @@ def _any(ev: Evaluator, args: Args, _: Options, node: Any, f: Frame) -> Value | 
         return constant(stops if stops in tests else not stops)
     op = tree.Or() if stops else tree.And()
     return Data(tree.at(left[0] if len(left) == 1 else tree.BoolOp(op, left), node))
-
-
-@function("builtins.min", "builtins.max")
-def _extreme(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
-    name = ev.called
-    if "key" in options:
-        items = ev.items_of(args[0], node, f) if len(args) == 1 else args
-        if not items and "default" in options:
-            return options["default"]
-        does = min if name == "min" else max
-        return items[_by_keys(ev, items, options, node, f, lambda at, key: does(at, key=key))]
-    if len(args) == 1 and not isinstance(args[0], Data):
-        items = ev.items_of(args[0], node, f)
-        return items[0] if len(items) == 1 else ev.library_call(f"builtins.{name}", items, options, node, f)
-    return None

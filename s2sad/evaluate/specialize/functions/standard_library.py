@@ -118,23 +118,35 @@ def _combined(ev: Evaluator, args: Args, options: Options, node: Any, f: Frame) 
     return TupleValue(tuple(ev.items_of(made, node, f)))
 
 
-@function("itertools.permutations", "itertools.accumulate", "itertools.pairwise", "itertools.repeat",
+@function("itertools.accumulate")
+def _accumulate(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    given = {**dict(zip(("iterable", "func", "initial"), args)), **options}
+    given = {k: v for k, v in given.items() if not (isinstance(v, Data) and v.known is None)}
+    items = [*([given["initial"]] if "initial" in given else []), *ev.items_of(given["iterable"], node, f)]
+    found: list[Value] = items[:1]
+    for item in items[1:]:
+        both = [found[-1], item]
+        total = ev.binary(tree.Add(), *both, node, f) if "func" not in given else ev.call(
+            given["func"], both, {}, node, f)
+        found.append(ev.atoms(total, "total", node))
+    return TupleValue(tuple(found))
+
+
+@function("itertools.permutations", "itertools.pairwise", "itertools.repeat",
           "itertools.islice")
-def _itertools(ev: Evaluator, args: Args, options: Options, node: Any, f: Frame) -> Value | None:
+def _itertools(ev: Evaluator, args: Args, options: Options, node: Any, f: Frame) -> Value:
     name = ev.called
     if name in ("permutations", "pairwise"):
         items = list(enumerate(ev.items_of(args[0], node, f)))
         rows = getattr(itertools, name)(items, *(ev.known(a, node, "how many are taken") for a in args[1:]))
         return TupleValue(tuple(rows_of(ev, rows, node)))
-    if name in ("repeat", "islice"):
-        numbers = [ev.known(a, node, "how many are taken") for a in args[1:]]
-        items = [args[0]] if name == "repeat" else ev.items_of(args[0], node, f)
-        if not numbers:
-            raise ev.refusal(node, "itertools.repeat without an end")
-        if name == "repeat":
-            ev.counted(items, node, max(numbers[0], 0))
-        return TupleValue(tuple(items * numbers[0] if name == "repeat" else itertools.islice(items, *numbers)))
-    return None
+    numbers = [ev.known(a, node, "how many are taken") for a in args[1:]]
+    items = [args[0]] if name == "repeat" else ev.items_of(args[0], node, f)
+    if not numbers:
+        raise ev.refusal(node, "itertools.repeat without an end")
+    if name == "repeat":
+        ev.counted(items, node, max(numbers[0], 0))
+    return TupleValue(tuple(items * numbers[0] if name == "repeat" else itertools.islice(items, *numbers)))
 
 
 def _operators() -> None:

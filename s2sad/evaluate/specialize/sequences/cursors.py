@@ -143,11 +143,6 @@ def cursor_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> Any:
     return Known(tuple(ev.all_items(value, node, f)))
 
 
-def _together(made: Callable[[Evaluator, tuple[Value, ...]], Value]) -> Callable[..., Any]:
-    return lambda ev, value, node, f: Together(tuple(cursor_of(ev, p, node, f) for p in value.parts),
-                                               lambda items: made(ev, items))
-
-
 def _enumerated(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> Any:
     first = ev.known(value.parts[1], node, "the start of enumerate") if value.parts[1:] else 0
 

@@ -139,7 +139,7 @@ def _of_data(ev: Evaluator, value: Value, node: AST) -> list[Value]:
                 for k in range(value.count)]
     shape = shape_of(ev, value)
     if isinstance(value, Data) and shape.is_known and shape.known:
-        return [Data(tree.at(tree.index(ev.spelled(value, node), tree.const(k)), node))
+        return [Data(tree.at(tree.index(ev.spelled(value, node), tree.const(k)), node), shape=tuple(shape.known[1:]))
                 for k in range(shape.known[0])]
     raise ev.unknown(node, "how many items there are must be known before the run", shape)
 

@@ -1,0 +1,185 @@
+"""sorted, min, max, queues: by what is known before the run; else by an order that the run finds.
+
+    sorted([a, b])                      ordered = np.sort(np.array((a, b)));  [ordered[0], ordered[1]]
+    max(spheres, key=radius)            which = np.argmax(np.array((r_0, r_1)));  one of the objects, by that number
+"""
+from __future__ import annotations
+
+import heapq
+from collections.abc import Sequence
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
+from s2sad.evaluate.specialize.signals import Unevaluated
+from s2sad.evaluate.specialize.values import NONE, Choice, Data, Reference, TupleValue, Value
+from s2sad.tree import AST
+
+_MOST_ALTERNATIVES = 16     # things of which a variable picks one: what reads it is evaluated for each
+
+
+@operation
+def sorted_items(ev: Evaluator, items: list[Value], options: Options, node: AST, f: Frame) -> list[Value]:
+    """Items in the order of their keys."""
+    back = bool(ev.known(options["reverse"], node, "reverse=")) if "reverse" in options else False
+    keys = _keys(ev, items, options, node, f)
+    if all(map(_is_known, keys)):
+        return [items[k] for k in _ordered(ev, lambda at, key: sorted(at, key=key, reverse=back), keys, node)]
+    if _has_no_key(options):
+        ordered = _sorted_array(ev, _row(ev, keys, node, f), back, node, f)
+        return [Data(tree.at(tree.index(tree.copy(ordered.node), tree.const(k)), node), shape=()) for k in range(
+            len(items))]
+    row = _row(ev, keys, node, f)
+    if back:        # of equal ones the first stays the first
+        row = Data(tree.at(tree.UnaryOp(tree.USub(), ev.spelled(row, node)), node))
+    order = ev.named(ev.library_call("numpy.argsort", [row], {"kind": Data(tree.const("stable"), "stable")}, node, f),
+                     "order", node)
+    return [_picked(ev, items, Data(tree.at(tree.index(tree.copy(order.node), tree.const(k)), node)), node, f)
+            for k in range(len(items))]
+
+
+def _keys(ev: Evaluator, items: Sequence[Value], options: Options, node: AST, f: Frame) -> list[Value]:
+    """What items are ordered by; each key is asked for once."""
+    plain, key = _has_no_key(options), options.get("key")
+    return [i if plain else ev.atoms(ev.call(key, [i], {}, node, f), "key", node) for i in items]
+
+
+def _has_no_key(options: Options) -> bool:
+    key = options.get("key")
+    return key is None or isinstance(key, Data) and key.known is None
+
+
+def _is_known(key: Value) -> bool:
+    return not isinstance(key, Data) or key.is_known
+
+
+def _ordered(ev: Evaluator, does: Any, keys: Sequence[Value], node: AST) -> Any:
+    """What a function gives of the places of keys that are known."""
+    known = [_sort_key(ev, k, node) for k in keys]
+    unknown = ev.refusal(node, "a list is sorted by what is not known before the run")
+    if len({str(k) for k in known}) < len(known) and any(type(k) is tuple and k[-1:] == (...,) for k in known):
+        raise unknown
+    try:
+        return does(range(len(known)), known.__getitem__)
+    except TypeError:
+        raise unknown from None
+
+
+def _sort_key(ev: Evaluator, value: Value, node: AST) -> Any:
+    """What a list is sorted by; of a tuple the items before the first that is not known, which is `...`."""
+    if not isinstance(value, TupleValue):
+        return ev.known(value, node, "what a list is sorted by")
+    known: list[Any] = []
+    for item in value.items:
+        if not (isinstance(item, Data) and item.is_known):
+            return (*known, ...)
+        known.append(item.known)
+    return tuple(known)
+
+
+# -- orders that the run finds ---------------------------------------------------------------------------------------
+def _row(ev: Evaluator, values: Sequence[Value], node: AST, f: Frame) -> Data:
+    """An array of numbers."""
+    if not all(isinstance(v, Data) and not isinstance(v.known, (str, tuple, type(None))) for v in values):
+        raise ev.unknown(node, "what a list is sorted by must be known before the run, or be a number for each item")
+    return ev.library_call("numpy.array", [TupleValue(tuple(values))], {}, node, f)
+
+
+def _sorted_array(ev: Evaluator, array: Value, back: bool, node: AST, f: Frame) -> Data:
+    made = ev.named(ev.library_call("numpy.sort", [array], {}, node, f), "ordered", node)
+    if not back:
+        return made
+    turned = tree.index(tree.copy(made.node), tree.Slice(None, None, tree.negate(tree.const(1))))
+    return ev.named(Data(tree.at(turned, node), shape=made.shape), "ordered", node)
+
+
+def _picked(ev: Evaluator, items: Sequence[Value], place: Data, node: AST, f: Frame) -> Value:
+    """The item at a place that the run finds: a number of an array of them, else one of the items."""
+    if all(isinstance(i, Data) and (i.shape == () or i.is_known and isinstance(i.known, (int, float))) for i in items):
+        row = ev.named(_row(ev, items, node, f), "items", node)
+        return Data(tree.at(tree.index(row.node, ev.spelled(place, node)), node), shape=())
+    shapes = {(i.made, len(i.items)) for i in items if isinstance(i, TupleValue)}
+    if len(shapes) == 1 and all(isinstance(i, TupleValue) for i in items):
+        columns: Any = list(zip(*(i.items for i in items)))  # pyright: ignore[reportAttributeAccessIssue]
+        where = ev.named(place, "place", node)
+        return TupleValue(tuple(_picked(ev, column, where, node, f) for column in columns), shapes.pop()[0])
+    refused = ev.refusal(node, "what a list is sorted by must be known before the run",
+                         help="sort an array of numbers, or its places: np.argsort(...)")
+    if len(items) > _MOST_ALTERNATIVES:
+        raise refused
+    if not ev.choices:
+        raise Unevaluated(refused, choice="sorted items")
+    held = tuple(ev.atoms(i, "item", node) for i in items)
+    return Choice(ev.named(place, "which", node), held, (*range(len(held)),))
+
+
+@function("builtins.sorted")
+def _sorted(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    given = args[0]
+    if isinstance(given, Data) and not given.is_known and not given.is_list and _has_no_key(options):
+        if given.shape is not None and len(given.shape) != 1:
+            raise ev.refusal(node, "what is sorted is no array of numbers")
+        back = bool(ev.known(options["reverse"], node, "reverse=")) if "reverse" in options else False
+        return ev.library_call("builtins.list", [_sorted_array(ev, given, back, node, f)], {}, node, f)
+    return ev.list_of(sorted_items(ev, ev.items_of(given, node, f), options, node, f), node)
+
+
+@function("builtins.min", "builtins.max")
+def _extreme(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
+    name = ev.called
+    if "key" in options:
+        items = ev.items_of(args[0], node, f) if len(args) == 1 else args
+        if not items and "default" in options:
+            return options["default"]
+        keys = _keys(ev, items, options, node, f)
+        if all(map(_is_known, keys)):
+            does = min if name == "min" else max
+            return items[_ordered(ev, lambda at, key: does(at, key=key), keys, node)]
+        place = ev.library_call(f"numpy.arg{name}", [_row(ev, keys, node, f)], {}, node, f)
+        return _picked(ev, items, ev.named(place, "place", node), node, f)
+    if len(args) == 1 and not isinstance(args[0], Data):
+        items = ev.items_of(args[0], node, f)
+        return items[0] if len(items) == 1 else ev.library_call(f"builtins.{name}", items, options, node, f)
+    return None
+
+
+# -- queues and places in what is sorted -----------------------------------------------------------------------------
+class _Item:
+    """An item of a queue, by a key that is known."""
+
+    def __init__(self, value: Value, key: Any, refused: Exception):
+        self.value, self.key, self.refused = value, key, refused
+
+    def __lt__(self, other: _Item) -> bool:
+        own, others = (k if isinstance(k, tuple) else (k,) for k in (self.key, other.key))
+        if next((a is ... or b is ... for a, b in zip(own, others) if a is ... or b is ... or a != b), False):
+            raise self.refused
+        try:
+            return own < others
+        except TypeError:
+            raise self.refused from None
+
+
+@function("heapq.heappush", "heapq.heappop", "heapq.heapify", "heapq.heappushpop", "heapq.heapreplace")
+def _queue(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    name = ev.called
+    refused = ev.refusal(node, "a queue is ordered by what is not known before the run",
+                         help="loop over the items, and take the first: min(queue, key=...)")
+    if not (isinstance(args[0], Reference) and ev.heap[args[0]].kind == "list"):
+        raise refused
+    queue, *given = [[_Item(v, _sort_key(ev, v, node), refused) for v in items]
+                     for items in (ev.sequence_items(args[0]), *([a] for a in args[1:]))]
+    found = getattr(heapq, name)(queue, *(g[0] for g in given))
+    ev.replace_items(args[0], [i.value for i in queue], node)
+    return NONE if found is None else found.value
+
+
+@function("bisect.bisect", "bisect.bisect_right", "bisect.bisect_left")
+def _bisect(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    if options or len(args) != 2:
+        raise ev.refusal(node, "bisect with more than a list and a number is not supported in a kernel")
+    side = "left" if ev.called == "bisect_left" else "right"
+    row = args[0] if isinstance(args[0], Data) else _row(ev, ev.items_of(args[0], node, f), node, f)
+    return ev.library_call("numpy.searchsorted", [row, args[1]], {"side": Data(tree.const(side), side)}, node, f)

@@ -1,0 +1,107 @@
+"""sorted, min and max by what only the run knows: numbers, tuples, and objects, one of which a variable picks."""
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from tests.corpus import Case
+
+
+class Particle:
+    def __init__(self, v, m):
+        self.v, self.m = v, m
+
+
+def an_array(x):
+    s = sorted(x)
+    return sum(i * v for i, v in enumerate(s)) + sorted(x, reverse=True)[0] * 2 + s[-1] ** 2
+
+
+def numbers(x):
+    s = sorted([x[0] ** 2, x[1] * x[2], x[3]])
+    return s[0] + 2 * s[1] + 3 * s[2]
+
+
+def by_a_key(x):
+    s = sorted(x, key=lambda v: -v * v)
+    t = sorted([x[0], x[1] * 2, x[2]], key=lambda v: abs(v - 0.6), reverse=True)
+    return s[0] * 3 + s[-1] + t[0] * 10 + t[1] + max((x[0], x[1]), key=abs)
+
+
+def equal_keys(x):
+    """Of equal ones the first stays the first, also backwards."""
+    up = sorted([x[0], x[1], x[2]], key=lambda v: 0.0 * v)
+    down = sorted([x[0], x[1], x[2]], key=lambda v: 0.0 * v, reverse=True)
+    first = max([x[3], x[4]], key=lambda v: 0.0 * v)
+    return up[0] + 2 * up[1] ** 2 + 3 * down[0] ** 3 + first
+
+
+def tuples(x):
+    pairs = sorted([(x[0], 1), (x[1] ** 2, 2), (x[2], 3)], key=lambda p: -p[0])
+    s = 0.0
+    for k, (a, i) in enumerate(pairs):
+        s += a * i * (k + 1)
+    return s + pairs[0][0] ** 2
+
+
+def the_extreme_objects(x):
+    ps = [Particle(v, i + 1.0) for i, v in enumerate(x)]
+    best = max(ps, key=lambda p: p.v * math.cos(p.m))
+    worst = min(ps, key=lambda p: p.v * p.m)
+    best.v *= 2
+    return best.v * best.m + worst.v ** 2 * worst.m + sum(p.v for p in ps)
+
+
+def objects(x):
+    ps = [Particle(v, i + 1.0) for i, v in enumerate(x[:3])]
+    ps.sort(key=lambda p: p.v)
+    s = ps[0].v ** 2
+    for i, p in enumerate(ps):
+        s += p.v * p.m * (i + 1)
+    return s
+
+
+def a_population(x):
+    pop = [x[0], x[1], x[2]]
+    for _ in range(3):
+        pop = sorted(pop, key=lambda v: (v - 0.617) ** 2)
+        pop = [pop[0], 0.5 * (pop[0] + pop[1]), pop[1] * 1.1]
+    return pop[0] + pop[1] * 2 + pop[2] * 3
+
+
+def an_array_of_some(x):
+    some = [x * 1.0, np.sin(x), x ** 2]
+    b = min(some, key=lambda c: np.sum((c - 0.5) ** 2))
+    b[0] = 3.0 * x[1]
+    return np.sum(b ** 2) + some[0][0] + some[2][0] * 5
+
+
+def a_name(x):
+    losses, weights = {"a": x[0], "b": x[1] ** 2, "c": x[2]}, {"a": 1.0, "b": 2.0, "c": 3.0}
+    k, v = min(losses.items(), key=lambda kv: kv[1])
+    best = min(losses, key=losses.get)
+    return v * weights[k] + (losses[best] * 2 if best == "a" else losses[best] * 3)
+
+
+def by_tuples(x):
+    return sorted([x[0], x[1]], key=lambda v: (v > 0.5, v))[0]
+
+
+def many_objects(x):
+    ps = [Particle(x[k % 5] * k, 1.0) for k in range(20)]
+    return max(ps, key=lambda p: p.v).v
+
+
+EVERY = (an_array, numbers, by_a_key, equal_keys, tuples, the_extreme_objects, objects, a_population, an_array_of_some,
+         a_name)
+
+
+def cases():
+    x = np.array([0.31, 0.93, 0.5, 1.2, 0.7])
+    for kernel in EVERY:
+        yield Case(kernel, (x,), "x")
+    yield Case(by_tuples, (x,), refused="S201 at `sorted([x[0], x[1]], key=lambda v: (v > 0.5, v))`: a list is sorted "
+               "by what is not known before the run")
+    yield Case(many_objects, (x,), refused="S201 at `max(ps, key=lambda p: p.v)`: what a list is sorted by must be "
+               "known before the run: sort an array of numbers, or its places: np.argsort(...)")
