@@ -9,7 +9,7 @@ from benchmarks.kernels.cases import CASES
 from benchmarks.tables import Table, verdict
 from s2sad.report.timing import interleaved, repeated
 
-TARGETS = {"f.adjoint": 10.0, "vjp": 30.0}
+TARGETS = {"f.adjoint": 8.0, "vjp": 15.0}
 TIMES = 200
 
 

@@ -344,8 +344,8 @@ class ProgramVersion:
             names = [*(self.parameters[k] for k in places), *self._arrays()]
             slots = [Slot(n, "primal", n, n in self.summary(types).written) for n in names]
             check = Check(slots, "numpy") if any(s.written for s in slots) else None
-            self.entries[key] = check and (
-                lambda values: check.exact([*[values[k] for k in places], *self._arrays().values()]) and None)
+            self.entries[key] = check and (lambda values: check.exact([*[values[k] for k in places], *(
+                self._arrays().values() if self.arrays else ())]) and None)
         return self.entries[key]
 
     def with_private_copies(self, values: Sequence[Any], types: tuple[Type, ...]) -> list[Any]:

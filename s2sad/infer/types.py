@@ -103,7 +103,7 @@ def misfit_of(value: np.ndarray, name: str) -> tuple[str, str] | None:
             filled if isinstance(value, np.ma.MaskedArray) else f"pass numpy.asarray({name})")
     if value.ndim == 0:
         return "is an array of rank 0", f"pass the number, {name}[()], or an array of shape (1,)"
-    if value.dtype.name not in DTYPES:
+    if _name(value.dtype) not in DTYPES:
         return f"has dtype {value.dtype}", "use float64, float32, complex128, an integer type or bool"
     if not value.dtype.isnative:
         return "has the other byte order", f'pass {name}.astype("{value.dtype.name}")'
@@ -116,9 +116,15 @@ def of_rank(kind: Type, rank: int) -> Type:
 
 
 @lru_cache(maxsize=256)
+def _name(dtype: np.dtype) -> str:
+    """The name of a dtype: NumPy makes it anew each time, which takes longer than all else here."""
+    return dtype.name
+
+
+@lru_cache(maxsize=256)
 def _of_array(dtype: np.dtype, rank: int, ones: tuple[int, ...]) -> Type:
-    """The type of an array: NumPy makes the name of a dtype anew each time, which takes longer than all else here."""
-    return Type("array", dtype.name, rank, ones=ones)
+    """The type of an array."""
+    return Type("array", _name(dtype), rank, ones=ones)
 
 
 def of_value(value: object) -> Type:

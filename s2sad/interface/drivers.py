@@ -248,7 +248,7 @@ def _argument_tuple(args: Any) -> tuple[Any, ...]:
 
 def _keys_of(values: Any, what: str) -> tuple[str, ...]:
     """The names in `seeds` or `tangents`; what is no mapping is refused."""
-    if isinstance(values, Mapping):
+    if type(values) is dict or isinstance(values, Mapping):     # asking an abstract class takes long
         return tuple(values)
     raise S2sadError(Diagnostic("S403", f"{what} is of type {type(values).__name__}",
                                 help=f'give a dict by {"output" if what == "seeds" else "argument"} name'))

@@ -130,6 +130,8 @@ def names_of(chosen: Wrt, f: Any, what: str = "wrt") -> tuple[str, ...] | None:
     """One name or several as a tuple; a position among f's parameters becomes its name."""
     if chosen is None or isinstance(chosen, str):
         return None if chosen is None else (chosen,)
+    if type(chosen) is tuple and all(type(n) is str for n in chosen):
+        return chosen
     several = chosen if isinstance(chosen, Iterable) and not isinstance(chosen, np.ndarray) else (chosen,)
     return tuple(_name_at(n, f, what) for n in several)
 

@@ -72,14 +72,17 @@ class PreparedCall:
                seeds: Sequence[Any] = ()) -> tuple[Any, ...]:
         """Calls the derivative; the first time it is compiled."""
         arguments = variant.assemble(values, shadows, seeds, self.state.private_outside_arrays(self.types))
-        copies = sum(a.nbytes for a in shadows.values() if isinstance(a, np.ndarray))
-        copies += sum(a.nbytes for p, a in zip(variant.parameters, arguments)
-                      if p.role == "primal" and p.name in self.summary.written)
-        variant = variant.for_call(arguments, copies)
+        variant = variant.for_call(arguments, self._copied(variant, arguments, shadows) if variant.limited else 0)
         if not self._ready:
             variant.prepare(arguments)
             self._ready = True
         return variant.run(arguments)
+
+    def _copied(self, variant: Executable, arguments: Sequence[Any], shadows: Mapping[str, Any]) -> int:
+        """The bytes of what a call makes beside the derivative."""
+        copies = [a for p, a in zip(variant.parameters, arguments) if p.role == "primal"
+                  and p.name in self.summary.written]
+        return sum(a.nbytes for a in (*copies, *shadows.values()) if isinstance(a, np.ndarray))
 
     def variant(self, mode: str, wrt: tuple[str, ...], of: tuple[str, ...], with_primal: bool = False) -> Executable:
         recording = self.recording if mode == "adjoint" else Recording()
