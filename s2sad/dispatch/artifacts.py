@@ -29,8 +29,8 @@ from s2sad.diagnostics import HOME, warn_once
 from s2sad.live_objects.guards import ABSENT, STEPS, Guards, VaryingNumber, layout, reached, recording, taken
 from s2sad.infer.types import Type
 from s2sad.program import (
-    EntrySummary, Generated, IndexLimit, Kernel, Parameter, Recording, Request, Schedule, Snapshots, SourcePlace,
-    TextGuard,
+    EntrySummary, Generated, IndexLimit, Kernel, Parameter, RecordedArray, Recording, Request, Schedule, SnapshotLoop,
+    Snapshots, SourcePlace, TextGuard,
 )
 from s2sad.live_objects.registry import GIVEN, is_of_package
 from s2sad.run import store
@@ -46,7 +46,7 @@ _READINGS = 8           # of one function: for so many sets of constants
 _FOLLOWING = frozenset(("root", "function", "kernel", "given", "bound"))     # steps that follow from what was taken
 _WRITTEN: dict[str, type] = {c.__name__: c for c in (
     Type, PyTree, Parameter, EntrySummary, Recording, Request, Schedule, Snapshots, TextGuard, SourcePlace,
-    IndexLimit)}
+    IndexLimit, RecordedArray, SnapshotLoop)}
 _FACTS = ("wrappers", "stacks", "taped", "independent", "guards", "places", "folders", "recorded", "loops", "forward",
           "taken", "tape", "index_limits")
 

@@ -38,6 +38,28 @@ def test_another_process_derives_nothing(processes):
     assert processes.warm
 
 
+TAPED = """
+
+def powers(u, n):
+    for k in range(n):
+        for i in range(u.size):
+            u[i] = u[i] * u[i]
+    return u[0]
+"""
+
+
+@pytest.mark.parametrize("checkpoint", [None, {"k": 1}])
+def test_a_tape_and_snapshots_are_those_of_the_first_process(checkpoint, processes):
+    """With what is known of them before a run."""
+    processes.write(KERNEL + TAPED)
+    takes = set()
+    for _ in range(2):
+        f = s2sad.differentiate(processes.fresh().powers, engine="numpy", checkpoint=checkpoint)
+        takes.add(str(f.adjoint.memory(np.ones(100), 64)))
+        assert s2sad.gradient(f, wrt="u")(np.array([1.5, 2.0]), 2).tolist() == [4.0 * 1.5 ** 3, 0.0]
+    assert processes.warm and len(takes) == 1
+
+
 CHANGES = {
     "a helper's text": (lambda p: p.write(helpers=HELPERS.replace("x ** power", "x * power")), "f", (2.0,), 270.0),
     "a helper's default": (lambda p: p.write(helpers=HELPERS.replace("power=2", "power=3")), "f", (2.0,), 1620.0),
