@@ -91,6 +91,9 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
             if other.demands:
                 raise ev.unknown(node, "what is compared with a text must be known before the run", other)
             return constant(kind == "NotEq")        # a number or an array is no text
+        for v in (a, b):
+            if v.is_known and v.known is None:
+                raise ev.none_here(v, node)
         return Data(tree.at(tree.Compare(ev.spelled(a, node), [op], [ev.spelled(b, node)]), node),
                     demands=demands_of(a, b), shape=broadcast(a, b) or None)
     found = _overloaded_comparison(ev, word, a, b, node, f)

@@ -118,10 +118,13 @@ def _text_operand(value: Value) -> Any:
 
 @operation
 def none_here(ev: Evaluator, value: Value, node: AST, inner: bool = True) -> S2sadError:
-    """What is said where None is used."""
+    """What is said where None is used; where only some runs come here these raise what Python raises."""
     named = ev.subject(value, node, inner)
     said = named.strip("'") if named.startswith("'") else "..."
-    return ev.refusal(node, f"{named if said != '...' else 'this'} is None here", code="S203",
+    what = f"{named if said != '...' else 'this'} is None here"
+    if not ev.is_sure():
+        ev.raises("builtins.TypeError", [tree.const(what)], node)
+    return ev.refusal(node, what, code="S203",
                       help=f"test it before: if {said} is not None: ...")
 
 

@@ -138,6 +138,25 @@ def raised_anew(x):
     return s
 
 
+def parsed(text):
+    try:
+        return int(text)
+    except ValueError:
+        try:
+            return float(text)
+        except ValueError:
+            return text
+
+
+def parsed_texts(x):
+    given = {k.strip(): parsed(v.strip()) for k, v in (
+        line.split("=") for line in "n = 3; dt = 0.25; method = euler".split(";"))}
+    y = x[0]
+    for _ in range(given["n"]):
+        y = y + given["dt"] * x[1] * y if given["method"] == "euler" else 0.0
+    return y * x[2]
+
+
 @contextlib.contextmanager
 def tolerant(log):
     try:
@@ -238,7 +257,7 @@ def swallowed(x):
 
 
 EVERY = (keys, attributes, returned, raised_by_a_helper, raised_for_a_size, in_a_loop, in_a_branch_of_the_run,
-         whatever_it_is, raised_anew, handled_by_a_manager, around_a_generator)
+         whatever_it_is, raised_anew, handled_by_a_manager, around_a_generator, parsed_texts)
 WAY_OUT = "test for the bad case with an if before it happens"
 
 

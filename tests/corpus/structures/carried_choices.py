@@ -253,6 +253,37 @@ def three_deep(x):
     return s
 
 
+def not_asked_whether_it_is_there(x):
+    """What Python raises where it is None, a run raises that comes there."""
+    last, on, s = None, False, 0.0
+    for i in range(x.size):
+        if not on and x[i] > 0.8:
+            on = True
+            if last is not None:
+                s += (x[i] - last[1]) * (i - last[0])
+            last = (i, x[i])
+        elif on and (x[i] < 0.4 or last[1] < 0.1):
+            on = False
+            before, last = last, (i, x[i] * x[i])
+            s -= before[1] * last[1]
+        s += x[i] if on else 0.1 * x[i]
+    return s
+
+
+def a_state_with_its_number(x):
+    mode, info, s = "idle", None, 0.0
+    for i in range(x.size):
+        if mode == "idle" and x[i] > 0.4:
+            mode, info = "run", x[i]
+        elif mode == "run":
+            if x[i] < info:
+                mode, info = "idle", None
+            else:
+                info = x[i] * 0.5 + info
+        s += info ** 2 if info is not None else 0.1 * x[i]
+    return s
+
+
 def bound_on_some_ways(x):
     last, s = None, 0.0
     for i in range(x.size):
@@ -265,6 +296,7 @@ def bound_on_some_ways(x):
 
 
 EVERY = (
+    not_asked_whether_it_is_there, a_state_with_its_number,
     the_tuple_before, best_and_second, made_on_one_way, read_before_it_is_made, made_on_two_of_three_ways,
     swapped, rotated, the_arrays_before, left_by_a_break, the_object_before,
     in_nested_loops, a_tuple_a_number_or_none, one_in_another, one_in_an_object, one_in_a_tuple,

@@ -69,7 +69,7 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
     if path.startswith("scipy.sparse."):
         ev.refused_sparse(path, False, node)
     if path.startswith(("builtins.", "math.")):
-        constants = _constant(ev, path, args, keywords)
+        constants = _constant(ev, path, args, keywords, node)
         if constants is not None:
             return constants
     args = [_as_array(ev, path, a, node, f) for a in args]
@@ -104,7 +104,8 @@ _PURE = ("abs", "min", "max", "round", "float", "int", "bool", "pow", "divmod", 
          "format", "ascii", "bin", "hex", "oct", "hash")
 
 
-def _constant(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> Value | None:
+def _constant(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapping[str, Value], node: AST
+              ) -> Value | None:
     """A function of Python's of what is known; None where something is not, or where it would raise."""
     room, _, name = path.rpartition(".")
     made = getattr(math if room == "math" else builtins, name, None)
@@ -117,7 +118,8 @@ def _constant(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapping
         return None         # of floats: the run's own
     try:
         found = made(*values[:len(args)], **dict(zip(keywords, values[len(args):])))
-    except (ArithmeticError, ValueError, TypeError):
+    except (ArithmeticError, ValueError, TypeError) as error:
+        ev.throws(type(error), node)
         return None
     if isinstance(found, tuple):
         return TupleValue(tuple(map(constant, found)))
