@@ -24,7 +24,7 @@ STEPS, COUNTS, ROUNDS = 1000, (2, 5, 20, 100), 7
 QUICK_STEPS, QUICK_COUNTS, QUICK_ROUNDS = 60, (2, 60), 3
 PEERS = {"jax": "JAX's jax.checkpoint over chunks of a scan", "equinox": "Equinox's checkpointed loop"}
 LOOPS = {"jax": "in_chunks", "equinox": "checkpointed"}      # of `peers.with_jax`
-MINUTES = 12.0
+MINUTES = 20.0
 
 
 def measure(quick: bool) -> dict[str, Any]:
