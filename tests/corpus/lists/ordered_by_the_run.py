@@ -93,6 +93,11 @@ def many_objects(x):
     return max(ps, key=lambda p: p.v).v
 
 
+def five_objects(x):
+    ps = sorted([Particle(v, 1.0) for v in x], key=lambda p: p.v)
+    return sum(i * p.v for i, p in enumerate(ps))
+
+
 EVERY = (an_array, numbers, by_a_key, equal_keys, tuples, the_extreme_objects, objects, a_population, an_array_of_some,
          a_name)
 
@@ -103,5 +108,7 @@ def cases():
         yield Case(kernel, (x,), "x")
     yield Case(by_tuples, (x,), refused="S201 at `sorted([x[0], x[1]], key=lambda v: (v > 0.5, v))`: a list is sorted "
                "by what is not known before the run")
-    yield Case(many_objects, (x,), refused="S201 at `max(ps, key=lambda p: p.v)`: what a list is sorted by must be "
-               "known before the run: sort an array of numbers, or its places: np.argsort(...)")
+    for kernel, part in ((many_objects, "max(ps, key=lambda p: p.v)"),
+                         (five_objects, "sorted([Particle(v, 1.0) for v in x], key=lambda p: p.v)")):
+        yield Case(kernel, (x,), refused=f"S201 at `{part}`: what a list is sorted by must be known before the run: "
+                   "sort an array of numbers, or its places: np.argsort(...)")

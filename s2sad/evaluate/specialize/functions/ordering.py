@@ -18,6 +18,7 @@ from s2sad.evaluate.specialize.values import NONE, Choice, Data, Reference, Tupl
 from s2sad.tree import AST
 
 _MOST_ALTERNATIVES = 16     # things of which a variable picks one: what reads it is evaluated for each
+_MOST_ORDERED = 4           # of which each place holds one: what reads all is evaluated for each combination
 
 
 @operation
@@ -36,8 +37,8 @@ def sorted_items(ev: Evaluator, items: list[Value], options: Options, node: AST,
         row = Data(tree.at(tree.UnaryOp(tree.USub(), ev.spelled(row, node)), node))
     order = ev.named(ev.library_call("numpy.argsort", [row], {"kind": Data(tree.const("stable"), "stable")}, node, f),
                      "order", node)
-    return [_picked(ev, items, Data(tree.at(tree.index(tree.copy(order.node), tree.const(k)), node)), node, f)
-            for k in range(len(items))]
+    places = [Data(tree.at(tree.index(tree.copy(order.node), tree.const(k)), node)) for k in range(len(items))]
+    return [_picked(ev, items, place, node, f, _MOST_ORDERED) for place in places]
 
 
 def _keys(ev: Evaluator, items: Sequence[Value], options: Options, node: AST, f: Frame) -> list[Value]:
@@ -95,7 +96,8 @@ def _sorted_array(ev: Evaluator, array: Value, back: bool, node: AST, f: Frame) 
     return ev.named(Data(tree.at(turned, node), shape=made.shape), "ordered", node)
 
 
-def _picked(ev: Evaluator, items: Sequence[Value], place: Data, node: AST, f: Frame) -> Value:
+def _picked(ev: Evaluator, items: Sequence[Value], place: Data, node: AST, f: Frame, most: int = _MOST_ALTERNATIVES
+            ) -> Value:
     """The item at a place that the run finds: a number of an array of them, else one of the items."""
     if all(isinstance(i, Data) and (i.shape == () or i.is_known and isinstance(i.known, (int, float))) for i in items):
         row = ev.named(_row(ev, items, node, f), "items", node)
@@ -104,10 +106,10 @@ def _picked(ev: Evaluator, items: Sequence[Value], place: Data, node: AST, f: Fr
     if len(shapes) == 1 and all(isinstance(i, TupleValue) for i in items):
         columns: Any = list(zip(*(i.items for i in items)))  # pyright: ignore[reportAttributeAccessIssue]
         where = ev.named(place, "place", node)
-        return TupleValue(tuple(_picked(ev, column, where, node, f) for column in columns), shapes.pop()[0])
+        return TupleValue(tuple(_picked(ev, column, where, node, f, most) for column in columns), shapes.pop()[0])
     refused = ev.refusal(node, "what a list is sorted by must be known before the run",
                          help="sort an array of numbers, or its places: np.argsort(...)")
-    if len(items) > _MOST_ALTERNATIVES:
+    if len(items) > most:
         raise refused
     if not ev.choices:
         raise Unevaluated(refused, choice="sorted items")
