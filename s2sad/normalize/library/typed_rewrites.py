@@ -26,8 +26,8 @@ from s2sad.normalize.control.conditional_values import ARRAYS, refuse_added_alia
 from s2sad.rules import find_array
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Compare, Constant, FloorDiv, FunctionDef, In, Is, IsNot, List, Mod, Mult,
-    Name, NotEq, NotIn, Slice, Sub, Subscript, Tuple, at, attribute, call, call_name, const, copy, index, mult, rebuild,
-    tuple_of, with_body,
+    Name, NotEq, NotIn, Slice, Sub, Subscript, Tuple, at, attribute, call, call_name, const, copy, index, indices, mult,
+    rebuild, tuple_of, with_body,
 )
 
 _CASTS = {dtype: name for name, dtype in CASTS.items() if name.startswith("numpy.")}
@@ -74,6 +74,8 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
                            whole=const(True)), node)
         if call_name(node) == "numpy.reshape" and (made := _vector_reshape(node, typing)) is not None:
             return made
+        if call_name(node) == "numpy.flip" and (made := _reversed_axes(node, typing)) is not None:
+            return rebuild(made, change)
         if call_name(node) == "numpy.count_nonzero" and len(node.args) == 1 and not node.keywords and (
                 kind := typing.of(node.args[0])).is_number and not kind.is_complex:
             return at(_number_count(rebuild(node.args[0], change), kind), node)
@@ -183,6 +185,23 @@ def _vector_reshape(node: Call, typing: Typing) -> AST | None:
     whole = Slice(None, None, None)
     spread = {(-1,): [whole], (-1, 1): [whole, const(None)], (1, -1): [const(None), whole]}.get(tuple(sizes))
     return at(index(operand, *spread), node) if spread and kind.is_array and kind.rank == 1 else None
+
+
+def _reversed_axes(node: Call, typing: Typing) -> AST | None:
+    """A flip of a named array or of a part of it as the view by subscripts that it is."""
+    given = {"axis": const(None), **{str(k.arg): k.value for k in node.keywords}}
+    operand = node.args[0] if len(node.args) == 1 else None
+    if not isinstance(operand, (Name, Subscript)) or len(given) > 1 or not (kind := typing.of(operand)).is_array:
+        return None
+    if isinstance(operand, Subscript) and not (isinstance(operand.value, Name) and all(
+            constant_slice(Slice(None, None, s.step)) if isinstance(s, Slice) else typing.of(s).is_number
+            for s in indices(operand))):
+        return None     # what picks elements gives a copy, and a part by a step that is not known has no parts
+    axes = range(kind.rank) if is_none(given["axis"]) else axes_of(given["axis"], kind.rank)
+    if axes is None:
+        return None
+    backwards, whole = Slice(None, None, const(-1)), Slice(None, None, None)
+    return at(index(operand, *(copy(backwards if k in axes else whole) for k in range(kind.rank))), node)
 
 
 def _item(node: Call, kind: Type, parts: list[AST]) -> AST | None:
