@@ -11,6 +11,7 @@ from s2sad.optimize.blocked_products import blocked_products
 from s2sad.optimize.extremum_scatter import extremum_scatter
 from s2sad.optimize.index_set_splitting import index_set_splitting
 from s2sad.optimize.loop_fusion import loop_fusion
+from s2sad.optimize.loop_interchange import loop_interchange
 from s2sad.optimize.loop_memoization import loop_memoization
 from s2sad.optimize.primal_contraction import primal_contraction
 from s2sad.optimize.strength_reduction import strength_reduction
@@ -38,6 +39,7 @@ PASSES: Passes = (
     Pass(index_set_splitting, when=in_loops),
     Pass(loop_memoization, when=in_adjoint_loops),
     Pass(loop_fusion, when=in_adjoint_loops),
+    Pass(loop_interchange, when=in_adjoint_loops),
     Pass(vectorize, when=in_adjoint_loops),
     Pass(dead_code, "dead_code_after_vectorize", when=in_adjoint_loops),
     Pass(vector_math, when=in_adjoint_loops),

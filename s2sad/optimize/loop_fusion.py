@@ -137,8 +137,8 @@ class LoopFusion:
                 return False
         if any(array not in self.extents.own for array in arrays):
             return False
-        shared = (bound_names(first.body) & _upward_exposed(body)) | (bound_names(body) & _upward_exposed(first.body))
-        return all(n in self.sums and _is_accumulator(n, [*first.body, *body]) for n in shared - arrays)
+        shared = (bound_names(first.body) & upward_exposed(body)) | (bound_names(body) & upward_exposed(first.body))
+        return all(n in self.sums and is_accumulator(n, [*first.body, *body]) for n in shared - arrays)
 
     def is_legal_for(self, array: str, first: Nest, body: list[AST]) -> bool:
         """Whether an array that one nest writes is referenced by the other at the same element only, or not at all."""
@@ -185,7 +185,7 @@ def _subscripted_arrays(body: list[AST]) -> set[str]:
     return {base_name(n) for n in walk(body) if isinstance(n, Subscript) and isinstance(n.value, Name)}
 
 
-def _upward_exposed(body: list[AST]) -> set[str]:
+def upward_exposed(body: list[AST]) -> set[str]:
     """The names that a body may read before it binds them."""
     found: set[str] = set()
     sure: set[str] = set()
@@ -208,7 +208,7 @@ def _upward_exposed(body: list[AST]) -> set[str]:
     return found
 
 
-def _is_accumulator(identifier: str, body: list[AST]) -> bool:
+def is_accumulator(identifier: str, body: list[AST]) -> bool:
     """Whether a body only increments a number."""
     increments = sum(isinstance(s, AugAssign) and isinstance(s.op, (Add, Sub)) and isinstance(s.target, Name)
                 and s.target.id == identifier for s in walk_statements(body))
@@ -222,4 +222,4 @@ def _alias_pairs(body: list[AST]) -> int:
     return len(written) * (len(written) - 1) // 2 + len(written) * len(others)
 
 
-__all__ = ["LoopFusion", "fused", "loop_fusion"]
+__all__ = ["LoopFusion", "fused", "is_accumulator", "loop_fusion", "upward_exposed"]
