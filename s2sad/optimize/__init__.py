@@ -16,6 +16,7 @@ from s2sad.optimize.loop_memoization import loop_memoization
 from s2sad.optimize.primal_contraction import primal_contraction
 from s2sad.optimize.strength_reduction import strength_reduction
 from s2sad.optimize.unguarded_division import unguarded_division
+from s2sad.optimize.unsigned_indices import unsigned_indices
 from s2sad.optimize.vector_math import vector_math
 from s2sad.optimize.vectorize import vectorize
 from s2sad.passes import Pass, Passes
@@ -43,6 +44,7 @@ PASSES: Passes = (
     Pass(vectorize, when=in_adjoint_loops),
     Pass(dead_code, "dead_code_after_vectorize", when=in_adjoint_loops),
     Pass(vector_math, when=in_adjoint_loops),
+    Pass(unsigned_indices, when=in_adjoint_loops),
     Pass(strength_reduction, when=in_arrays),
     Pass(unguarded_division, when=in_arrays),
     Pass(extremum_scatter, when=in_arrays),

@@ -24,7 +24,8 @@ class DerivativeContext(Context):
     has_float32: bool = False                                        # an adjoint with numbers of float32
     renamed: dict[str, str] = field(default_factory=dict)       # the names that versions have in the end
     sums: Set[str] = frozenset()        # arrays that sum in float64 what arrays of float32 gain
-    stacks: Set[str] = frozenset()      # the arrays of the tape
+    stacks: Set[str] = frozenset()      # the arrays of the tape, and the numbers that say how high they are
+    tops: Set[str] = frozenset()
     gaining: Set[str] = frozenset()     # the arrays that gain, and the numbers that do in any order
     numbers: Set[str] = frozenset()
     writing: Set[str] = frozenset()     # the functions called that write arrays

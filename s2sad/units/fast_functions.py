@@ -52,6 +52,7 @@ def _context(derived: UnitDerivative, function: FunctionDef, units: Units, syste
         types=derived.types, effects=units.effects, adjoint=tape is not None,
         live_out=primals if function is derived.forward else shadows,
         stacks=set() if tape is None else {s.array for s in tape.stacks.values()},
+        tops=set() if tape is None else {s.top for s in tape.stacks.values() if s.top},
         gaining={s for s in made.shadows.values() if derived.types[s].is_array} | made.sums,
         numbers=own, writing=_writing(function, units), system_math=system)
 
