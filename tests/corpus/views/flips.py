@@ -68,6 +68,12 @@ def given_to_helpers(a, x):
     return np.flip(y[places]), np.flip(z)[[0, 2, 0]]
 
 
+def for_each_element(x):
+    f = np.flip(x)
+    for i in range(1, 4):
+        f[i] += 2.0 * f[i - 1] * x[0]
+
+
 def returned(x):
     x *= x
     return np.flip(x)
@@ -86,6 +92,7 @@ def cases():
     yield Case(along_axes, (some(4, 3), some(4, 3)), ("a", "u"), ("a", "return"))
     yield Case(of_what_has_no_name, (some(6), some(6)), ("x", "y"), ("return",))
     yield Case(given_to_helpers, (some(4, 4), some(4)), ("a", "x"), ("x", "return"))
+    yield Case(for_each_element, (some(6),), ("x",), ("x",))
     yield Case(returned, (some(4),), ("x",), ("return",))
     for bounds in ((1, 5, 1), (4, 2, 1), (-4, 9, 2), (0, 0, 1)):
         yield Case(parts, (some(6), *bounds), ("x",), ("x", "return"))

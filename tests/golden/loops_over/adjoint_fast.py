@@ -31,13 +31,13 @@ def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, y_stack, total_stack):
     total_1 = total
     total_stack = sized(total_stack, (len(range(x.size - 1, 0, -1)),))
     for i in range(x.size - 1, 0, -1):
-        total_stack[x.size - 1 - i] = total_1
+        total_stack[np.uintp(x.size - 1 - i)] = total_1
         total_1 = total_1 * x[i]
     # reverse sweep
     # return total
     total_bar = result_bar
     for i in range(1, x.size):
-        total_1 = total_stack[x.size - 1 - i]
+        total_1 = total_stack[np.uintp(x.size - 1 - i)]
         # total *= x[i]
         total_1_bar = total_bar
         total_bar = x[i] * total_1_bar

@@ -55,8 +55,8 @@ def kernel_adjoint(dy, dy_bar, y, y_bar, n):
     du_bar = np.zeros_like(du)
     dv_bar = np.zeros_like(dv)
     for i_2 in range(dy.shape[0] - 1, position(n * n, dy.shape[0]) - 1, -1):
-        seed = dy_bar[i_2]
-        dy_bar[i_2] = 0.0
+        seed = dy_bar[np.uintp(i_2)]
+        dy_bar[np.uintp(i_2)] = 0.0
         dv_bar[
             (i_2 - position(n * n, dy.shape[0])) // dv.shape[1],
             (i_2 - position(n * n, dy.shape[0])) % dv.shape[1]

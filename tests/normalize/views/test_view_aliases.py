@@ -160,10 +160,10 @@ def test_names_that_may_stand_for_other_memory_are_refused(kernel):
     assert caught.value.diagnostics[0].code == "S201"
 
 
-def for_each_element(x):
-    f = np.flip(x)
+def for_each_element(m):
+    f = np.rot90(m)
     for i in range(1, 4):
-        f[i] += 2.0 * f[i - 1] * x[0]
+        f[i, 0] += 2.0 * f[i - 1, 0] * m[0, 0]
 
 
 @pytest.mark.parametrize("kernel", (turned_then_ravelled, every_other_column, made_of_a_transpose,
