@@ -46,8 +46,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             for name in options.chapters or MODULES:
                 resume(name, folder)
     elif not options.redraw:
-        (folder / "machine.json").write_text(json.dumps(
-            {"date": date.today().isoformat(), "quick": options.quick, "machine": machine(DISTRIBUTIONS)}, indent=1))
+        if not options.chapters or not (folder / "machine.json").exists():
+            found = {"date": date.today().isoformat(), "quick": options.quick, "machine": machine(DISTRIBUTIONS)}
+            (folder / "machine.json").write_text(json.dumps(found, indent=1))
         with on_one_core():
             for name in options.chapters or MODULES:
                 if section(name) is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from datetime import date
 from pathlib import Path
 
 from benchmarks.peers.sections import section
@@ -14,6 +15,7 @@ def main(name: str, path: Path, quick: bool) -> None:
     found = section(name)
     assert found is not None
     made = found.resume(json.loads(path.read_text())) if found.resume and path.exists() else found.measure(quick)
+    made.setdefault("date", date.today().isoformat())
     text = json.dumps(made, indent=1)
     unfinished = path.with_suffix(".part")
     unfinished.write_text(text)

@@ -34,8 +34,10 @@ def write(folder: Path) -> Path:
     lines = ["# Performance", "", _introduction(machine)]
     for _, chapter in rendered:
         lines += _texts(chapter.summary, folder)
+    dates = {found.name: data.get("date", machine["date"]) for found, data in chapters}
     for found, chapter in rendered:
-        lines += ["", f"## {found.title}", *_texts(chapter.body, folder)]
+        later: list[Part] = [f"Measured on {dates[found.name]}."] if dates[found.name] != machine["date"] else []
+        lines += ["", f"## {found.title}", *_texts([*later, *chapter.body], folder)]
     for name in MODULES:
         if section(name) is None:
             lines += ["", f"The chapter {name} is not in this tree."]

@@ -103,6 +103,14 @@ def test_a_chapter_that_failed_costs_itself(chapter):
     assert "## My chapter\n\nThis chapter was left out: its process ended with status -11.\n" in text
 
 
+def test_a_chapter_says_when_it_was_measured_if_that_was_another_day(chapter):
+    said = []
+    for day in ("2026-01-01", "2026-02-01"):
+        (chapter / "mine.json").write_text(json.dumps({"time": "1.0", "date": day}))
+        said.append(document.write(chapter).read_text().partition("## My chapter")[2])
+    assert "Measured on" not in said[0] and said[1].startswith("\n\nMeasured on 2026-02-01.\n")
+
+
 def test_markdown_escapes_bars():
     assert markdown(Table("T", ("a", "b"), [("|x|", "1")])) == "**T**\n\n| a | b |\n|---|---:|\n| \\|x\\| | 1 |"
 
