@@ -30,7 +30,7 @@ def test_numbered_programs_under_numba(first):
     numbered(first, 4, "numba")
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(kernels())
 def test_drawn_programs(program):
     """The same generator under Hypothesis, which makes a failure smaller by itself."""

@@ -43,7 +43,7 @@ def resized(u, n: int):
 
 HELD = [(time_steps, (U, 0.1, 400), 300_000), (kernels.two_levels, (U, 60, 40), 900_000),
         (kernels.two_levels, (U, 60, 40), 200_000), (time_loops.until_a_time, (U, 0.1, 300), 400_000),
-        (time_loops.of_a_helper, (U, 0.01, 60), 500_000), (two_models, (U, 0.01, 200), 700_000)]
+        (time_loops.of_a_helper, (U, 0.01, 24), 300_000), (two_models, (U, 0.01, 200), 700_000)]
 
 
 def name_of(value):
@@ -138,14 +138,13 @@ def test_structures(engine):
     np.testing.assert_allclose(call(Model(U.copy()), 0.1, 300).u, plain.u, rtol=1e-12)
 
 
-@ENGINES
-def test_loops_and_numbers_follow_from_the_sizes_of_each_call(engine):
-    f = differentiate(time_steps, engine=engine, wrt="u", checkpoint="0.3 MB")
+def test_loops_and_numbers_follow_from_the_sizes_of_each_call():
+    f = differentiate(time_steps, engine="numpy", wrt="u", checkpoint="0.3 MB")
     counts = []
     for steps in (3, 400, 5, 400, 300):
         found = f.adjoint.memory(U, 0.1, steps)
         counts.append(found.loops[0].snapshots if found.loops else 0)
-        np.testing.assert_allclose(gradient(f)(U, 0.1, steps), gradient(differentiate(time_steps, engine=engine), wrt=(
+        np.testing.assert_allclose(gradient(f)(U, 0.1, steps), gradient(differentiate(time_steps, engine="numpy"), wrt=(
             "u",))(U, 0.1, steps), rtol=1e-12)
     assert counts[0] == counts[2] == 0
     assert counts[1] == counts[3] == counts[4] in GRID
