@@ -78,6 +78,7 @@ class Evaluator(Operations):
         self.source, self.facts, self.sites, self.unrolls, self.inlines = source, facts, sites, unrolls, inlines
         self.cell_paths, self.cells = cells, list[Cell]()
         self.choices = choices          # the slots that may hold choices of other things than functions
+        self.decisions = 0              # how often a statement was evaluated for one of several things
         self.unrolled_loops: dict[AST, int] = {}    # those that are written out, and how often
         self.heap, self.names = Heap(), Names()
         self.births, self.born = 0, dict[str, int]()       # when each residual name was made

@@ -2,11 +2,13 @@
 """
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
-from s2sad.evaluate.specialize.values import ClassValue, Reference, Value, count, parts
+from s2sad.evaluate.specialize.values import Choice, ClassValue, Data, Reference, Value, parts
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,16 @@ class Object:
         if self.kind == "frame":
             return str(key).strip(".0123456789") if str(key).startswith(".") else str(key)
         return f"{self.label}_{key}" if self.label else str(key)
+
+    @cached_property
+    def occurrences(self) -> Counter[int | str]:
+        """How often each object, by its number, and each residual name is held."""
+        return Counter(inner for v in self.items.values() for inner in _held(v))
+
+    @cached_property
+    def has_choices(self) -> bool:
+        """Whether a slot holds one of several things, or has one in what it holds."""
+        return any(map(_has_choice, self.items.values()))
 
 
 class Heap:
@@ -84,16 +96,27 @@ class Heap:
 
     def holders(self, reference: Reference, objects: Mapping[int, Object] | None = None) -> int:
         """How many slots hold a reference."""
-        held = self.objects if objects is None else objects
-        return sum(_count_reference(v, reference) for o in held.values() for v in o.items.values())
+        return _occurrences(self.objects if objects is None else objects, reference.number)
 
 
 def uses(objects: Mapping[int, Object], name: str) -> int:
     """How many slots of a heap hold a residual name."""
-    return sum(count(v, name) for o in objects.values() for v in o.items.values())
+    return _occurrences(objects, name)
 
 
-def _count_reference(value: Value, reference: Reference) -> int:
+def _occurrences(objects: Mapping[int, Object], what: int | str) -> int:
+    return sum(held.occurrences.get(what, 0) for held in objects.values())
+
+
+def _held(value: Value) -> Iterator[int | str]:
     if isinstance(value, Reference):
-        return value == reference
-    return sum(_count_reference(v, reference) for v in parts(value))
+        yield value.number
+    elif isinstance(value, Data):
+        yield value.name
+    else:
+        for part in parts(value):
+            yield from _held(part)
+
+
+def _has_choice(value: Value) -> bool:
+    return isinstance(value, Choice) or any(map(_has_choice, parts(value)))

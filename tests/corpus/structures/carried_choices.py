@@ -295,6 +295,21 @@ def bound_on_some_ways(x):
     return s
 
 
+class Well:
+    def __init__(self, at, depth):
+        self.at, self.depth = at, depth
+
+
+def each_with_each_other(x):
+    """Four of six things: 6 ** 4 combinations."""
+    wells = [Well(0.2 * k, x[0] * (k + 1)) for k in range(6)]
+    a = min(wells, key=lambda w: (w.at - x[0]) ** 2)
+    b = min(wells, key=lambda w: (w.at - x[1]) ** 2)
+    c = max(wells, key=lambda w: (w.at - x[0]) ** 2)
+    d = max(wells, key=lambda w: (w.at - x[1]) ** 2)
+    return a.depth * b.depth + c.depth * d.depth
+
+
 EVERY = (
     not_asked_whether_it_is_there, a_state_with_its_number,
     the_tuple_before, best_and_second, made_on_one_way, read_before_it_is_made, made_on_two_of_three_ways,
@@ -309,3 +324,6 @@ def cases():
     yield Case(the_tuple_before, (np.array([0.1, 0.7, 1.2, 0.2, 0.5, 0.3, 0.91]),), "x")
     yield Case(one_in_another, (np.array([0.1, 0.7, 1.2, 0.2, 0.5, 0.3, 0.91]),), "x")
     yield Case(bound_on_some_ways, (np.array([0.9, 0.5]),), refused="S201 at `t`: 't' is bound on one way only")
+    yield Case(each_with_each_other, (np.array([0.9, 0.5]),), refused=(
+        "S201 at `d`: statements that read one of several things would be evaluated over 1000 times, once for each "
+        "combination: read of each what is needed into arrays or numbers first"))

@@ -20,6 +20,8 @@ from s2sad.evaluate.specialize.values import (
 )
 from s2sad.tree import AST
 
+_MOST = 1000        # evaluations of statements for one of several things: a statement that reads two of n has n**2
+
 
 def decided(ev: Evaluator, s: AST, run: Callable[[], None], f: Frame) -> None:
     """Evaluates a statement, again for each alternative of a choice that it reads."""
@@ -70,19 +72,25 @@ def _each(ev: Evaluator, choice: Choice, run: Callable[[], None], origin: AST) -
     if len(numbers) == 1:
         one()
         return
+    ev.decisions += 1
+    if ev.decisions > _MOST:
+        raise ev.refusal(
+            origin, f"statements that read one of several things would be evaluated over {_MOST} times, once for each "
+            "combination", help="read of each what is needed into arrays or numbers first")
     rest = restricted(choice, numbers[1:])
     test = tree.compare(ev.spelled(choice.number, origin), tree.Eq(), tree.const(numbers[0]))
     ev.branch(Data(tree.at(test, origin), demands=choice.number.demands), (one, others), origin, choice)
 
 
 def _is_held(ev: Evaluator, choice: Choice) -> bool:
-    return any(_with(v, choice, choice) is not None for v in ev.heap.values())
+    return any(_with(v, choice, choice) is not None
+               for held in ev.heap.objects.values() if held.has_choices for v in held.items.values())
 
 
 def _put(ev: Evaluator, choice: Choice, value: Value) -> None:
     """All slots that hold a choice hold one of its alternatives."""
     value = _bound(ev, value)
-    for n, held in list(ev.heap.objects.items()):
+    for n, held in [(n, held) for n, held in ev.heap.objects.items() if held.has_choices]:
         new = {k: made for k, v in held.items.items() if (made := _with(v, choice, value)) is not None}
         if new:
             ev.heap.objects[n] = replace(held, items={**held.items, **new})

@@ -85,11 +85,10 @@ def _made_on_a_way(ev: Evaluator, ways: Sequence[Way], one: Merged, taken: set[s
 
 def _is_own(ev: Evaluator, ways: Sequence[Way], way: Way, name: str, since: int) -> bool:
     """Whether a name is made on a way and held by one slot there; loops that are left there hold nothing of it."""
-    bound = any(isinstance(n, tree.Name) and n.id == name and not isinstance(n.ctx, tree.Load)
-                for s in way.block for n in tree.walk(s))
-    left = any(uses(objects, name) for loop in ev.loops for _, _, objects in getattr(loop, "exits", ()))
-    return bound and ev.born.get(name, 0) > since and uses(way.objects, name) == 1 and not (
-        left or _is_returned(ways, name))
+    return ev.born.get(name, 0) > since and uses(way.objects, name) == 1 and not _is_returned(ways, name) and not any(
+        uses(objects, name) for loop in ev.loops for _, _, objects in getattr(loop, "exits", ())) and any(
+        isinstance(n, tree.Name) and n.id == name and not isinstance(n.ctx, tree.Load)
+        for s in way.block for n in tree.walk(s))
 
 
 def _is_returned(ways: Sequence[Way], name: str) -> bool:

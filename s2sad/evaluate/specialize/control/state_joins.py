@@ -17,7 +17,7 @@ from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object, Temporary, uses
 from s2sad.evaluate.specialize.values import (
-    UNKNOWN, Choice, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike, count, renamed,
+    UNKNOWN, Choice, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike, renamed,
 )
 from s2sad.evaluate.specialize.control.choice_joins import (
     Alternative, are_functions, chosen_value, decided_again, is_chosen, maybe_unbound,
@@ -58,7 +58,7 @@ class Join:
         names = settled_names(self.ev, self.ways, self.merged, self.since, self.origin)
         self.merged = None
         for n, held in self.found.items():
-            if any(count(v, name) for v in held.items.values() for name in names):
+            if not names.keys().isdisjoint(held.occurrences):
                 self.found[n] = replace(held, items={k: renamed(v, names) for k, v in held.items.items()})
         return self.found
 
