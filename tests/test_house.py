@@ -21,7 +21,7 @@ OF_THE_WHOLE = ("corpus", "examples", "golden", "house", "long_kernels", "passes
 FOLDERS = ("benchmarks", "corpus", "docs", "golden", "harness", "ledger", "programs", "simulations")
 # passes that leave facts in the context and the tree as it is
 FACTS = ("reported_types", "inferred_types", "primal_form", "same_primal", "program_structure", "activity",
-         "unbounded_values", "to_be_recorded", "commuting_iterations")
+         "unbounded_values", "to_be_recorded", "entry_dtypes", "commuting_iterations")
 # passes on functions with a derivative of the user's own: a file that is only read has none
 LIVE = ("unsupported_derivatives",)
 # rooms in which modules have the names of what they are for, as other modules have

@@ -9,6 +9,7 @@ In comes a kernel in normal form and a request; out goes the tree, and a table f
     unsupported_derivatives refuses what a derivative of the user's own does not give
     unbounded_values        what can be infinite or nan, and where a choice may leave that
     to_be_recorded          for an adjoint: what is recorded, what is computed again, which loops run again
+    entry_dtypes            for an adjoint: what takes less on the tape than where it was
     commuting_iterations    for an adjoint in loops: those that may run forwards
 
 The tables read the tree by the identity of its nodes, and so hold for this very tree. `missing_shadows` is an analysis
@@ -19,6 +20,7 @@ from __future__ import annotations
 from s2sad.analyze.activity import activity
 from s2sad.analyze.commuting_iterations import commuting_iterations
 from s2sad.analyze.context import AnalysisContext
+from s2sad.analyze.tape_entries.entry_dtypes import entry_dtypes
 from s2sad.analyze.named_choices import named_choices
 from s2sad.analyze.program_structure import program_structure
 from s2sad.analyze.to_be_recorded import to_be_recorded
@@ -45,6 +47,7 @@ PASSES: Passes = (
     Pass(named_choices, when=backwards),
     *ACTIVITY,
     Pass(to_be_recorded, when=backwards),
+    Pass(entry_dtypes, when=backwards),
     Pass(commuting_iterations, when=backwards_in_loops),
 )
 

@@ -34,22 +34,25 @@ _UNKNOWN = IndexBounds(frozenset({()}), {})
 
 def index_bounds(function: FunctionDef, typing: Typing, callee: Callee) -> IndexBounds:
     """The bounds of a function; `callee` gives those of what a call calls, None where nothing is known."""
+    return IndexSearch(function, typing, callee).found() if is_searchable(function, typing) else _UNKNOWN
+
+
+def is_searchable(function: FunctionDef, typing: Typing) -> bool:
+    """Whether a size, or a counter, is never another one later."""
     parameters = {p.id for p in function.args.args}
-    loops = [s for s in walk_statements(function.body) if isinstance(s, For)]
-    bound, stored = (Counter(parameters) + times_bound(function.body, *k) for k in ((Assign, For), ()))
-    if not parameters <= typing.table.keys() or any(
-            typing.table[n].is_array and times > 1 for n, times in bound.items()) or any(
-            loop.target.id in stored_names(loop.body) for loop in loops):
-        return _UNKNOWN         # a size, or a counter, is another one later
-    again = {n for n, times in stored.items() if times > 1}
-    return _Search(function, typing, callee, again).found()
+    bound = Counter(parameters) + times_bound(function.body, Assign, For)
+    return parameters <= typing.table.keys() and not any(
+        typing.table[n].is_array and times > 1 for n, times in bound.items()) and not any(
+        s.target.id in stored_names(s.body) for s in walk_statements(function.body) if isinstance(s, For))
 
 
-class _Search:
+class IndexSearch:
     """Goes through a function, and collects what it asks for."""
 
-    def __init__(self, function: FunctionDef, typing: Typing, callee: Callee, again: set[str]):
+    def __init__(self, function: FunctionDef, typing: Typing, callee: Callee):
         self.function, self.typing = function, typing
+        stored = Counter(p.id for p in function.args.args) + times_bound(function.body)
+        again = {n for n, times in stored.items() if times > 1}
         self.shapes = bare_shapes(function, typing)
         self.systems = IndexSystems(self.shapes, _symbols(function, typing, again), callee)
         counters = {s.target.id for s in walk_statements(function.body) if isinstance(s, For)}

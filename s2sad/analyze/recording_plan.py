@@ -56,7 +56,8 @@ class RecordingPlan:
     """The table. Keys are ids of statements and blocks of the function that was analysed: `reversed` are the compound
     statements with something to reverse, `reallocated` the allocations in loops whose arrays the reverse sweep binds
     again, `after` the statements whose adjoints run in the state that they leave, `halves` the calls whose adjoints are
-    the sweeps of a function, of which the tapes are kept (`tapes` is their weight)."""
+    the sweeps of a function, of which the tapes are kept (`tapes` is their weight). `dtypes` are those of entries that
+    take less than what is recorded, by its key."""
     rerun: frozenset[int] = frozenset()
     snapshots: tuple[Snapshot, ...] = ()
     values: dict[str, ReverseValue] = field(default_factory=dict)
@@ -71,6 +72,7 @@ class RecordingPlan:
     reallocated: set[int] = field(default_factory=set)
     after: frozenset[int] = frozenset()
     weight: int = 0
+    dtypes: dict[str, str] = field(default_factory=dict)
     halves: frozenset[int] = frozenset()
     tapes: int = 0
     readers: dict[str, list[AST]] = field(default_factory=dict)

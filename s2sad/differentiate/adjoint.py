@@ -61,7 +61,7 @@ class _Adjoint(Shadows):
         self.shadows: dict[str, str] = {}
         self.scopes: dict[int, list[str]] = {}
         self.tape = Tape(self.structure, self.typing, self.free, self.plan.rerun,
-                         TripCounters(self.structure, self.plan, self.free))
+                         TripCounters(self.structure, self.plan, self.free), self.plan.dtypes)
         self.shapes = shapes_of(self.structure.function, self.typing)
         self.halves = SplitAdjoints(self.structure, self.active, self.free, context.derive, self.bounds,
                                     self.plan.halves)

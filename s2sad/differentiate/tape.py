@@ -15,7 +15,8 @@ Room for what innermost loops push is made in front of them where their trips ar
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 from s2sad.liveness import base_name
 from s2sad.analyze.reallocated_arrays import is_reallocated
@@ -38,10 +39,12 @@ _FIRST = 64
 @dataclass
 class Stack:
     """One stack: its array, what indexes it where it is popped (`counters`) and pushed (`pushed`, if that differs) or
-    else the integer that does (`top`), and for reports what lies in one entry (`kind`, an array type with its `shape`)
-    and how many entries each loop makes (`sizes`; none known if it grows). A `ragged` stack has the elements of arrays
-    of several sizes one after the other; one with a `reservation` grows in front of these loops."""
+    else the integer that does (`top`), what is recorded (`value`) and what lies in one entry (`kind`, which may be
+    narrower; an array type with its `shape`), and for reports how many entries each loop makes (`sizes`; none known if
+    it grows). A `ragged` stack has the elements of arrays of several sizes one after the other; one with a
+    `reservation` grows in front of these loops."""
     array: str
+    value: Type = UNKNOWN
     top: str = ""
     loops: tuple[AST, ...] = ()
     counters: tuple[AST, ...] = ()
@@ -56,12 +59,14 @@ class Stack:
 
 @dataclass
 class Tape:
-    """All stacks of a function; `allocations` by the id of the loop before which they stand."""
+    """All stacks of a function; `allocations` by the id of the loop before which they stand, `dtypes` those of entries
+    that are narrower than what is recorded, by the key of their stack."""
     structure: ProgramStructure
     typing: Typing
     free: Names
     rerun: frozenset[int]
     counting: TripCounters
+    dtypes: Mapping[str, str]
     stacks: dict[str, Stack] = field(default_factory=dict)
     allocations: dict[int, list[AST]] = field(default_factory=dict)
 
@@ -70,7 +75,7 @@ class Tape:
         """The stack of a value of type `kind` (an array type with its `shape`) pushed inside these loops and branches,
         a `carried` one where an iteration begins."""
         if key not in self.stacks:
-            self.stacks[key] = self._make(base, kind, inside, shape, carried)
+            self.stacks[key] = self._make(key, base, kind, inside, shape, carried)
         return self.stacks[key]
 
     def content_stack(self, key: str, place: AST, inside: tuple[AST, ...], shape: AST | None) -> Stack:
@@ -80,7 +85,7 @@ class Tape:
         if not kind.is_array or not inner or not is_reallocated(self.structure, array, home[0]):
             return self.stack(key, array, kind, inside, shape)
         if key not in self.stacks:
-            self.stacks[key] = self._make(array, Type("number", kind.dtype), inside, None, ragged=True)
+            self.stacks[key] = self._make(key, array, Type("number", kind.dtype), inside, None, ragged=True)
             self.stacks[key].shape = shape
         return self.stacks[key]
 
@@ -90,10 +95,11 @@ class Tape:
         again = [k for k, loop in enumerate(loops[:-1] if carried else loops) if id(loop) in self.rerun]
         return loops[again[-1] + 1 if again else 0:], loops[again[0] if again else 0:][:1]
 
-    def _make(self, base: str, kind: Type, inside: tuple[AST, ...], shape: AST | None, carried: bool = False,
-              ragged: bool = False) -> Stack:
+    def _make(self, key: str, base: str, value: Type, inside: tuple[AST, ...], shape: AST | None,
+              carried: bool = False, ragged: bool = False) -> Stack:
         inner, home = self._homes(_loops(inside), carried)
-        made = Stack(self.free.fresh(f"{base}_stack" if inner else f"{base}_before"), loops=inner, kind=kind,
+        kind = replace(value, dtype=self.dtypes.get(key, value.dtype)) if inner else value
+        made = Stack(self.free.fresh(f"{base}_stack" if inner else f"{base}_before"), value, loops=inner, kind=kind,
                      shape=shape, ragged=ragged)
         if not inner:
             self.typing.declare(made.array, kind)
@@ -153,7 +159,7 @@ class Tape:
         """What an indexed stack holds of the iteration before, or `first` in the first one."""
         last = stack.counters[-1]
         cell = index(name(stack.array), *map(copy, stack.counters[:-1]), sub(copy(last), const(1)))
-        return IfExp(compare(copy(last), Gt(), const(0)), cell, first)
+        return IfExp(compare(copy(last), Gt(), const(0)), widened(stack, cell), first)
 
     def cell(self, stack: Stack) -> AST:
         if not stack.counters and not stack.top:
@@ -189,8 +195,10 @@ class Tape:
 
     def read(self, stack: Stack, target: AST) -> list[AST]:
         """The last entry into the target, left where it is."""
-        return [pop_region(stack.array, stack.top, self.region(target))] if stack.ragged else [
-            assign(target, self.cell(stack))]
+        if stack.ragged:
+            return [pop_region(stack.array, stack.top, self.region(target))]
+        cell = self.cell(stack)     # a store into an array converts by itself
+        return [assign(target, widened(stack, cell) if isinstance(target, Name) else cell)]
 
     def region(self, place: AST) -> RecordedRegion:
         """The array or row that an entry of a ragged stack is of."""
@@ -199,6 +207,11 @@ class Tape:
         counters = [self.typing.declare(self.free.fresh(c), INT)
                     for c in ("i", "j", "k", "l", "m", "o")[:self.typing.of(place).rank]]
         return RecordedRegion(base, tuple(kept), tuple(counters))
+
+
+def widened(stack: Stack, entry: AST) -> AST:
+    """An entry of a stack as the number that was recorded: arithmetic goes on in its dtype."""
+    return entry if stack.kind == stack.value else call(f"numpy.{stack.value.dtype}", entry)
 
 
 def _loops(inside: tuple[AST, ...]) -> tuple[AST, ...]:
