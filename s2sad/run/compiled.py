@@ -24,7 +24,7 @@ from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError, warn_once
 from s2sad.run.progress import Working
-from s2sad.run.internal_functions import options
+from s2sad.run.internal_functions import options, written_out
 from s2sad.run.interrupts import interruptible
 from s2sad.run.interpreter import DTYPES, interpreted
 from s2sad.run.module_loader import load
@@ -85,12 +85,14 @@ def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ..
         space = vars(module)
         register(used(space))
         on_disk = not user_functions and not any(map(_is_interpreted, space.values()))
+        inlined = written_out(text)
         for identifier, value in list(space.items()):
             if not isinstance(value, FunctionType) or identifier in plain:
                 continue
             if value.__module__ == module.__name__:
                 internal = bool(entries) and identifier not in entries and not user_functions
-                space[identifier] = _jit(value, bounds, on_disk=on_disk, internal=internal)
+                space[identifier] = _jit(value, bounds, on_disk=on_disk, inline=internal and identifier in inlined,
+                                         internal=internal)
             elif (value.__module__ or "").startswith(_RUNTIME):
                 space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
             elif user_functions:

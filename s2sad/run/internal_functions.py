@@ -2,10 +2,12 @@
 
 Numba generates machine code for every function by itself, with all that it calls and with wrappers for Python, and
 again in each function that calls it. An internal function is only linked into its callers: what Python calls is
-optimized once, with all that it consists of.
+optimized once, with all that it consists of. Short ones without loops are written out at their calls: LLVM leaves
+functions of many numbers alone, as adjoints of helpers are, and computes again in them what their caller has.
 """
 from __future__ import annotations
 
+import ast
 import ctypes
 import importlib
 from collections.abc import Iterator
@@ -15,6 +17,28 @@ from typing import Any
 _PARTS = {"numba.core.codegen": ("JITCodeLibrary",), "numba.core.compiler": ("CompilerBase", "DefaultPassBuilder"),
           "numba.core.compiler_machinery": ("register_pass",), "numba.core.typed_passes": ("NativeLowering",),
           "numba._dynfunc": ("make_function",)}
+
+
+_LONGEST, _MOST = 1000, 8000     # nodes of one function that is written out, and of all its copies
+
+
+def written_out(text: str) -> frozenset[str]:
+    """The functions of a module that are written out where they are called, if they are internal.
+
+    >>> sorted(written_out("def f(x):\\n    return x\\ndef g(x):\\n    for i in range(3):\\n        x[i] = f(x[i])"))
+    ['f']
+    """
+    functions = [f for f in ast.parse(text).body if isinstance(f, ast.FunctionDef)]
+    called = {f.name: [n.func.id for n in ast.walk(f) if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)]
+              for f in functions}
+    sizes: dict[str, int] = {}
+    for function in functions:      # a function stands in front of those that call it
+        size = sum(1 for _ in ast.walk(function)) + sum(sizes.get(c, 0) for c in called[function.name])
+        calls = sum(those.count(function.name) for those in called.values())
+        loops = any(isinstance(n, (ast.For, ast.While)) for n in ast.walk(function))
+        if not loops and size <= _LONGEST and size * calls <= _MOST:
+            sizes[function.name] = size
+    return frozenset(sizes)
 
 
 @lru_cache(maxsize=1)

@@ -28,6 +28,7 @@ class DerivativeContext(Context):
     tops: Set[str] = frozenset()
     gaining: Set[str] = frozenset()     # the arrays that gain, and the numbers that do in any order
     numbers: Set[str] = frozenset()
+    seeds: Set[str] = frozenset()       # the numbers that are given as seeds
     writing: Set[str] = frozenset()     # the functions called that write arrays
     system_math: Set[str] = frozenset()     # the functions that stay the system's,
     called_math: Mapping[str, bool] = field(default_factory=dict)   # and whether those that are called became ours

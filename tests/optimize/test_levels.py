@@ -104,14 +104,14 @@ def given(generated: Generated, case: Case) -> list[Any]:
 
 
 def same(case: Case) -> None:
-    """Both levels' texts as plain Python give the same bits, but for products of blocks, sums that begin with zero, and
-    the derivative of tanh."""
+    """Both levels' texts as plain Python give the same bits, but for products of blocks, sums that begin with zero,
+    reciprocals, and the derivative of tanh."""
     found, rounds = [], False
     for generated in texts(case.function, case.arguments("small"), case.wrt, case.of):
         space: dict = {}
         exec(generated.text, space)
         rounds = rounds or any(w in generated.text for w in (
-                "_rows = ", "_gain = ", "_total = 0.0", "sech_squared"))
+                "_rows = ", "_gain = ", "_total = 0.0", "reciprocal = ", "sech_squared"))
         space |= {n: getattr(np, n) for n in ELEMENTARY if space.get(n) is getattr(exponentials, n)}
         arguments = given(generated, case)
         result = space[generated.entry](*arguments)

@@ -40,8 +40,9 @@ def kernel_adjoint_taped(x, x_bar, tolerance, guess_stack):
             # guess = 0.5 * (guess + x[0] / guess)
             seed = 0.5 * guess_bar
             guess_bar = seed
-            guess_bar -= x[0] / guess * seed / guess if seed != 0.0 else 0.0
-            x_bar_total = added(x_bar_total, seed / guess if seed != 0.0 else 0.0)
+            reciprocal = 1.0 / guess
+            guess_bar -= x[0] * reciprocal * seed * reciprocal if seed != 0.0 else 0.0
+            x_bar_total = added(x_bar_total, seed * reciprocal if seed != 0.0 else 0.0)
         # guess = 0.5 * (guess + x[0] / guess)
         x_bar[0] = x_bar_total
     return (guess_stack,)

@@ -24,9 +24,11 @@ def kernel_adjoint(a, a_bar):
             a_here = a[j, j]
             ratio = a[i, j]
             ratio_bar = a_bar[i, j]
-            a_bar[i, j] = ratio_bar / a_here if ratio_bar != 0.0 else 0.0
+            reciprocal = 1.0 / a_here
+            a_bar[i, j] = ratio_bar * reciprocal if ratio_bar != 0.0 else 0.0
             a_bar[j, j] -= (
-                (ratio * ratio_bar / a_here if ratio_bar != 0.0 else 0.0) if ratio != 0.0 else 0.0
+                (ratio * ratio_bar * reciprocal if ratio_bar != 0.0 else 0.0) if ratio != 0.0
+                else 0.0
             )
         # a[j, j] = math.sqrt(a[j, j])
         sqrt_value_bar = a_bar[j, j]

@@ -23,10 +23,12 @@ def polar_adjoint(a, b, result_0_bar, result_1_bar):
     result = math.hypot(a, b)
     # reverse sweep
     # return math.hypot(a, b), math.atan2(b, a), 2
-    b_bar = a * result_1_bar / np.hypot(b, a) / np.hypot(b, a) if result_1_bar != 0.0 else 0.0
-    a_bar = -(b * result_1_bar / np.hypot(b, a) / np.hypot(b, a) if result_1_bar != 0.0 else 0.0)
-    a_bar += a * result_0_bar / (1.0 if result == 0 else result)
-    b_bar += b * result_0_bar / (1.0 if result == 0 else result)
+    reciprocal = 1.0 / np.hypot(b, a)
+    b_bar = a * result_1_bar * reciprocal * reciprocal if result_1_bar != 0.0 else 0.0
+    a_bar = -(b * result_1_bar * reciprocal * reciprocal if result_1_bar != 0.0 else 0.0)
+    reciprocal_2 = 1.0 / (1.0 if result == 0 else result)
+    a_bar += a * result_0_bar * reciprocal_2
+    b_bar += b * result_0_bar * reciprocal_2
     return a_bar, b_bar
 
 

@@ -30,6 +30,7 @@ def kernel_adjoint_taped(u, u_bar, p, p_bar, u_stack):
     a_bar = 0.0
     b_bar = 0.0
     c_bar = 0.0
+    reciprocal = 1.0 / c
     for i in range(u.size):
         # u[i] = a * u[i] * u[i] + b / c
         u[i] = u_stack[i]
@@ -37,8 +38,8 @@ def kernel_adjoint_taped(u, u_bar, p, p_bar, u_stack):
         seed = u_bar[i]
         seed_2 = u_here * seed
         a_bar = added(a_bar, u_here * seed_2)
-        b_bar = added(b_bar, seed / c if seed != 0.0 else 0.0)
-        c_bar = added(c_bar, -(b / c * seed / c if seed != 0.0 else 0.0))
+        b_bar = added(b_bar, seed * reciprocal if seed != 0.0 else 0.0)
+        c_bar = added(c_bar, -(b * reciprocal * seed * reciprocal if seed != 0.0 else 0.0))
         u_bar[i] = a * seed_2 + a * u_here * seed
     # a, b, c = p
     p_bar[2] += c_bar
