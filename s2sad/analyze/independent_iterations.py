@@ -67,12 +67,16 @@ def _private(array: str, loop: For, inner: list[StatementPlace], problem: Record
     inside = [(p, x) for p, x in loads if p.order in within]
     if not inside:
         return True
+    parts: list[tuple[int | None, ...]] = []
     for place in inner:
         for target in problem.writes(place.statement):
-            if base_name(target) == array and isinstance(place.statement, Assign) and not user_call(
-                    place.statement.value) and _covers(target, place, loop, problem):
-                return all(p.order > place.order and _after(p, x, place, target, loop) for p, x in inside)
-    return False
+            if base_name(target) != array or not isinstance(place.statement, Assign) or user_call(
+                    place.statement.value):
+                continue
+            part = _covered_part(target, place, loop, problem)
+            if part is not None and all(p.order > place.order and _after(p, x, place, target, loop) for p, x in inside):
+                parts.append(part)
+    return problem.dependence.covers_together(array, parts)
 
 
 def _is_result(statement: AST, array: str) -> bool:
@@ -88,12 +92,14 @@ def _after(reader: StatementPlace, load: AST, place: StatementPlace, target: AST
     return not within or dump(load) == dump(target)
 
 
-def _covers(place: AST, where: StatementPlace, loop: For, problem: RecordingProblem) -> bool:
+def _covered_part(place: AST, where: StatementPlace, loop: For, problem: RecordingProblem
+                  ) -> tuple[int | None, ...] | None:
+    """The part of an array that a store in the loop fills in each iteration; None if there is none."""
     reference = ArrayReference.to(place, where.statement)
     nest = where.loops[where.loops.index(loop) + 1:]
-    if not reference.subscripts:
-        return where.branches == problem.structure.place(loop).branches and not nest
     unconditional = problem.structure.place(loop).branches
+    if not reference.subscripts:
+        return () if where.branches == unconditional and not nest else None
     if not nest or not isinstance(nest[0], For) or problem.structure.place(nest[0]).branches != unconditional:
-        return False
-    return problem.dependence.covers(nest[0], where.statement, reference)
+        return None
+    return problem.dependence.covered_part(nest[0], where.statement, reference)

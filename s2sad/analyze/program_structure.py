@@ -11,11 +11,12 @@ from dataclasses import dataclass, field, replace
 
 from s2sad import rules
 from s2sad.analyze.context import AnalysisContext
-from s2sad.liveness import targets
+from s2sad.liveness import base_name, targets
 from s2sad.infer.inference import Typing
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, Expr, For, FunctionDef, If, Name, Subscript, While, call_name, walk,
+    AST, Assert, Assign, Attribute, AugAssign, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, Name, Subscript,
+    While, call_name, walk,
 )
 
 
@@ -45,6 +46,7 @@ class ProgramStructure:
     loop_of: dict[str, AST] = field(default_factory=dict)
     blocks: dict[int, list[list[AST]]] = field(default_factory=dict)
     inner: dict[int, list[StatementPlace]] = field(default_factory=dict)
+    lengths: dict[tuple[str, int], int] = field(default_factory=dict)   # of axes, where an assertion says them
     simple: dict[int, bool] = field(default_factory=dict)       # asked for each value by all branches around it
 
     def is_simple(self, statement: AST) -> bool:
@@ -153,6 +155,8 @@ class _Walk:
         for target in targets(statement):
             if isinstance(target, Name):
                 self.table.bindings.setdefault(target.id, []).append(statement)
+        if isinstance(statement, Assert):
+            self.table.lengths.update(_asserted_length(statement.test))
         inside = (*around.inside, statement)
         if isinstance(statement, If):
             own = segment if self.table.is_simple(statement) else None
@@ -164,6 +168,17 @@ class _Walk:
             if isinstance(statement, For):
                 self.table.loop_of.setdefault(statement.target.id, statement)
             self.block(statement.body, replace(around, loops=(*around.loops, statement), inside=inside), None)
+
+
+def _asserted_length(test: AST) -> dict[tuple[str, int], int]:
+    """The length of an axis that `x.shape[0] == 3` says."""
+    if not isinstance(test, Compare) or not isinstance(test.ops[0], Eq):
+        return {}
+    size, length = test.left, test.comparators[0]
+    asked = isinstance(size, Subscript) and isinstance(size.value, Attribute) and size.value.attr == "shape"
+    if not asked or not isinstance(size.slice, Constant) or not isinstance(length, Constant):
+        return {}
+    return {(base_name(size.value.value), size.slice.value): length.value}
 
 
 def stored_arrays(statement: AST) -> list[AST]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Collection, Iterable
+from math import prod
 
 from s2sad.analyze.dependence import ArrayReference
 from s2sad.liveness import base_name, targets
@@ -235,5 +236,7 @@ def _by_array(loads: Iterable[tuple[AST, AST]]) -> dict[str, list[tuple[AST, AST
 
 
 def weight_of(snapshot: Snapshot, structure: ProgramStructure) -> int:
-    """The weight of the snapshots of all iterations."""
-    return 8 * 16 ** (len(structure.place(snapshot.loop).loops) + 1 + structure.typing.table[snapshot.array].rank)
+    """The weight of the snapshots of all iterations; an axis counts as 16, or by its length where that is less."""
+    rank = structure.typing.table[snapshot.array].rank
+    lengths = [min(structure.lengths.get((snapshot.array, axis), 16), 16) for axis in range(rank)]
+    return 8 * 16 ** (len(structure.place(snapshot.loop).loops) + 1) * prod(lengths)
