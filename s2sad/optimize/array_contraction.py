@@ -32,8 +32,8 @@ from s2sad.optimize.iteration_spaces import IterationSpaces
 from s2sad.optimize.loop_nests import Nest
 from s2sad.simplify.initialize_accumulators import clears_element
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, Call, FunctionDef, If, Name, Sub, Subscript, assign, at, augment, call_name,
-    const, copy, dump, indices, name, names, negate, rebuild, walk,
+    AST, Assign, Attribute, AugAssign, Call, Constant, FunctionDef, If, IfExp, Name, Sub, Subscript, assign, at,
+    augment, call, call_name, const, copy, dump, indices, name, names, negate, rebuild, walk,
 )
 
 _LIKE = {"numpy.empty_like", "numpy.zeros_like"}
@@ -41,10 +41,12 @@ _ALLOCATORS = {"numpy.empty", "numpy.zeros"} | _LIKE
 
 
 class Contractible:
-    """The arrays of one function that may be contracted."""
+    """The arrays of one function that may be contracted. Where its text is `finished`, a number that is an element's
+    stays NumPy's: Python's own would raise where it is divided by."""
 
-    def __init__(self, function: FunctionDef, extents: IterationSpaces, types: Mapping[str, Type], free: Names):
-        self.free = free
+    def __init__(self, function: FunctionDef, extents: IterationSpaces, types: Mapping[str, Type], free: Names,
+                 finished: bool = False):
+        self.free, self.types, self.finished = free, types, finished
         self.numbers: dict[str, str] = {}   # the array of which a number is an element
         parameters = {p.id for p in function.args.args}
         self.allocators = {n.targets[0].id: call_name(n.value) or "" for n in function.body if isinstance(n, Assign)
@@ -88,7 +90,11 @@ class Contractible:
             return
         using = [s for s in nest.body if _references(array, [s])]
         body, before = list(nest.body), []
-        if not _is_fill(using[0], array):
+        if _is_fill(using[0], array):
+            filled = rebuild(using[0], _of_numpy) if self.finished else using[0]
+            body = [filled if s is using[0] else s for s in body]
+            using[0] = filled
+        else:
             if not self.allocators[array].startswith("numpy.zeros") or not clears_element(using[-1]):
                 return
             body = [s for s in body if s is not using[-1]]
@@ -114,6 +120,15 @@ class Contractible:
         value = negate(copy(fills.value)) if isinstance(fills.op, Sub) else copy(fills.value)
         first.body = [at(assign(copy(fills.target), value), s) if s is fills else s for s in first.body]
         second.body = [s for s in second.body if s is not clears]
+
+
+def _of_numpy(node: AST) -> AST | None:
+    """A choice whose numbers are NumPy's; None of any other node."""
+    if not isinstance(node, IfExp):
+        return None
+    sides = (call("numpy.float64", s) if isinstance(s, Constant) and type(s.value) is float else rebuild(s, _of_numpy)
+             for s in (node.body, node.orelse))
+    return at(IfExp(node.test, *sides), node)
 
 
 def _references(array: str, body: list[AST]) -> list[Subscript]:

@@ -7,7 +7,8 @@ Only arrays and numbers that are bound once, outside of loops and branches, have
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Set
+from collections.abc import Iterable, Mapping, Set
+from types import MappingProxyType
 
 from s2sad.infer.affine import Affine, combined
 from s2sad.optimize.loop_bounds import substitute_symbol
@@ -19,26 +20,28 @@ from s2sad.tree import (
 Size = tuple[str, int]
 _SHAPED = {"numpy.empty", "numpy.zeros"}
 _LIKE = {"numpy.empty_like", "numpy.zeros_like"}
-_ALLOCATORS = {*_SHAPED, *_LIKE, "runtime.sized"}
+_NEW = {*_SHAPED, *_LIKE, "numpy.copy", "numpy.matmul", "runtime.sized"}
 
 
 class IterationSpaces:
     """The sizes that a function's own statements define; `assume` adds what an assertion on the way states. `writing`
-    are the functions that write arrays."""
+    are the functions that write arrays; `shadows` has of each shadow the primal, which is of its size."""
 
-    def __init__(self, function: FunctionDef, writing: Set[str] = frozenset()):
+    def __init__(self, function: FunctionDef, writing: Set[str] = frozenset(),
+                 shadows: Mapping[str, str] = MappingProxyType({})):
         self.writing = writing
         bound = times_bound(function.body)
         parameters = {p.id for p in function.args.args}
         self.fixed = {p for p in parameters if not bound[p]}
         self.numbers: dict[str, AST] = {}
         self.shapes: dict[str, list[AST]] = {}
-        self.like: dict[str, str] = {}
+        self.like = {s: p for s, p in shadows.items() if {s, p} <= self.fixed}
         self.equal: dict[str, Affine] = {}
         made: dict[str, bool] = {}      # whether a name is bound to new arrays alone
         for n in walk_statements(function.body):
             if isinstance(n, Assign) and isinstance(target := n.targets[0], Name):
-                made[target.id] = call_name(n.value) in _ALLOCATORS and made.get(target.id, True)
+                new = call_name(n.value) in _NEW or isinstance(n.value, BinOp)
+                made[target.id] = new and made.get(target.id, True)
         self.own = (parameters & self.fixed) | {n for n, new in made.items() if new}
         for statement in function.body:
             if isinstance(statement, Assign) and isinstance(target := statement.targets[0], Name) and bound[

@@ -1,4 +1,4 @@
-"""loop_fusion: adjacent nests over one iteration space become one nest.
+"""loop_fusion: nests over one iteration space become one nest.
 
     def f(x: float64[:], y: float64[:], z: float64[:]):
         y[:] = np.sin(x)
@@ -20,8 +20,9 @@ in its adjoint:
 
 *Requires* a finished derivative for Numba (`primal_contraction` fuses nests of a kernel). *Establishes* the same values
 with one pass through memory; `array_contraction` then contracts what nothing else reads. Fusion is legal where an array
-that one nest writes is referenced by the other at the element of the same iteration only, and no scalar flows between
-iterations, except sums whose order is free. (Kennedy, McKinley, 1993.)
+that one nest writes is referenced by the other at the element of the same iteration only, or in a row of another
+number, and no scalar flows between iterations, except sums whose order is free; and where the first nest may move
+behind what is between them. (Kennedy, McKinley, 1993.)
 """
 from __future__ import annotations
 
@@ -35,15 +36,16 @@ from s2sad.optimize.loop_bounds import bound_names, counted_loop, counter_offset
 from s2sad.optimize.iteration_spaces import IterationSpaces
 from s2sad.optimize.loop_nests import Nest, perfect_nest
 from s2sad.optimize.array_contraction import Mentions, Contractible
+from s2sad.optimize.statement_order import may_move_behind
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
-    AST, Add, Assert, Assign, Attribute, AugAssign, Break, FunctionDef, If, Name, Return, Sub, Subscript, copy, dump,
-    indices, is_comment, name, names, rebuild, walk, walk_statements, with_body,
+    AST, Add, Assert, Assign, AugAssign, Break, Constant, FunctionDef, If, Name, Return, Sub, Subscript,
+    copy, dump, indices, is_comment, name, names, rebuild, walk, walk_statements, with_body,
 )
 
 CHANGES_ROUNDING = False
 
-_MOST_STATEMENTS, _MOST_PAIRS = 48, 60
+_MOST_STATEMENTS, _MOST_PAIRS, _MOST_CROSSED = 48, 60, 8
 
 
 def loop_fusion(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
@@ -57,7 +59,7 @@ def fused(function: FunctionDef, sums: Set[str], types: Mapping[str, Type], free
     """The function with its nests joined; `sums` are numbers whose gains come in any order, `writing`
     the functions that write arrays."""
     extents = IterationSpaces(function, writing)
-    fusion = LoopFusion(extents, sums, Contractible(function, extents, types, free))
+    fusion = LoopFusion(extents, sums, Contractible(function, extents, types, free, finished=True))
     return with_body(function, fusion.block(function.body))
 
 
@@ -88,25 +90,30 @@ class LoopFusion:
 
     def block(self, block: list[AST]) -> list[AST]:
         made: list[AST | Nest] = []
-        last: int | None = None     # where the nest before stands; behind it are assertions and comments
         known = dict(self.extents.equal)
         for statement in block:
             self.extents.assume(statement)
             nest = perfect_nest(statement, self.extents)
-            if nest is None:
-                made.append(self.nested(statement))
-                between = is_comment(statement) or last is not None and _may_be_crossed(statement, made[last])
-                last = last if between else None
-                continue
-            first = made[last] if last is not None else None
-            both = self.fused(first, nest) if isinstance(first, Nest) else None
-            if last is not None and both:
-                del made[last]
-            made.append(both or nest)
-            last = len(made) - 1
+            place, both = self.partner(made, nest) if nest is not None else (0, None)
+            if both is not None:
+                del made[place]
+            made.append(both or nest or self.nested(statement))
         self.between.contract([n for n in made if isinstance(n, Nest)], self.extents)
         self.extents.equal = known
         return [s.with_body(s.body) if isinstance(s, Nest) else s for s in made]
+
+    def partner(self, made: list[AST | Nest], nest: Nest) -> tuple[int, Nest | None]:
+        """Where the nest stands that becomes one with another one, behind what is between them, and that one."""
+        for place in reversed(range(max(0, len(made) - _MOST_CROSSED - 1), len(made))):
+            first = made[place]
+            if isinstance(first, Nest) and all(may_move_behind(
+                    first, s, self.extents.own, self.between.types) for s in made[place + 1:]):
+                both = self.fused(first, nest)
+                if both is not None:
+                    return place, both
+            if self.only_producers and not isinstance(first, Assert) and not is_comment(first):
+                break
+        return 0, None
 
     def fused(self, first: Nest, second: Nest) -> Nest | None:
         """Two nests as one, with the counters of the first; None if fusion is not legal or not worth it. An array that
@@ -141,28 +148,27 @@ class LoopFusion:
         return all(n in self.sums and is_accumulator(n, [*first.body, *body]) for n in shared - arrays)
 
     def is_legal_for(self, array: str, first: Nest, body: list[AST]) -> bool:
-        """Whether an array that one nest writes is referenced by the other at the same element only, or not at all."""
+        """Whether an array that one nest writes is referenced by the other at the same element only, or in other rows,
+        or not at all."""
         places = [[n for n in walk(b) if isinstance(n, Subscript) and base_name(n) == array]
                   for b in (first.body, body)]
         if not any(base_name(t) == array for t in stored_elements([*first.body, *body])):
             return True
         if not all(places):
             return Mentions([*first.body, *body]).only_by_elements(array)
-        texts = {dump(indices(p)) for found in places for p in found}
-        subscripts = indices(places[0][0])
-        counters = [next((c for c in first.counters if counter_offset(s, c) is not None), None) for s in subscripts]
+        stores = {id(t) for t in stored_elements([*first.body, *body])}
         bound = bound_names(first.body) | bound_names(body)
-        return (len(texts) == 1 and set(first.counters) <= set(counters) and not bound & set(names(subscripts))
-                and Mentions([*first.body, *body]).only_by_elements(array))
+        both = [(a, b) for a in places[0] for b in places[1] if id(a) in stores or id(b) in stores]
+        return Mentions([*first.body, *body]).only_by_elements(array) and all(
+            _are_apart(a, b) or dump(a.slice) == dump(b.slice) and not bound & set(names(a.slice)) and set(
+                first.counters) <= {c for s in indices(a) for c in first.counters if counter_offset(s, c) is not None}
+            for a, b in both)
 
 
-def _may_be_crossed(statement: AST, nest: AST | Nest) -> bool:
-    """Whether a nest may move behind a statement: an assertion that reads nothing that the nest binds or stores."""
-    if not isinstance(statement, Assert) or not isinstance(nest, Nest):
-        return False
-    sizes = {id(n.value) for n in walk(statement) if isinstance(n, Attribute)}
-    read = {n.id for n in walk(statement) if isinstance(n, Name) and id(n) not in sizes}
-    return not read & {*bound_names(nest.body), *nest.counters, *(base_name(t) for t in stored_elements(nest.body))}
+def _are_apart(a: Subscript, b: Subscript) -> bool:
+    """Whether two references have different numbers along an axis: other rows of one array."""
+    return any(isinstance(s, Constant) and isinstance(t, Constant) and type(s.value) is type(t.value) is int
+               and s.value != t.value and min(s.value, t.value) >= 0 for s, t in zip(indices(a), indices(b)))
 
 
 def _with_counters_of(nest: Nest, other: Nest) -> list[AST] | None:

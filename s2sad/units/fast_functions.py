@@ -55,7 +55,7 @@ def _context(derived: UnitDerivative, function: FunctionDef, units: Units, syste
         tops=set() if tape is None else {s.top for s in tape.stacks.values() if s.top},
         gaining={s for s in made.shadows.values() if derived.types[s].is_array} | made.sums,
         numbers=own, seeds={n for n, role, _ in made.parameters if role == "seed"},
-        writing=_writing(function, units), system_math=system)
+        shadows={s: p for p, s in made.shadows.items()}, writing=_writing(function, units), system_math=system)
 
 
 def fast_primal(function: FunctionDef, units: Units, adjoint: bool = False) -> FunctionDef:

@@ -11,7 +11,8 @@ from s2sad.emit import layout
 from s2sad.tree import rename, statements, walk, For
 from tests.optimize.test_levels import SPELLING, same
 
-TAKEN = {**{f: f"builtins.{f}" for f in ("range", "max")}, "empty": "numpy.empty"}
+TAKEN = {**{f: f"builtins.{f}" for f in ("range", "max")}, "empty": "numpy.empty", "matmul": "numpy.matmul",
+         "reshape": "numpy.reshape"}
 PARTS = {
     "one region under two names": (2, """
 def f(u, v, n):
@@ -137,6 +138,116 @@ def f(u, v):
         w[i] = v[i]
     for i in range(v.shape[0] - 1):
         v[i] = u[i + 1]
+"""),
+    "rows of other numbers": (1, """
+def f(u, v):
+    for i in range(v.shape[0]):
+        u[0, i] = v[i]
+        u[1, i] = 2.0
+    for i in range(v.shape[0]):
+        u[2, i] = 3.0 + u[2, i]
+"""),
+    "a row that may be one of the others": (2, """
+def f(u, v, k):
+    for i in range(v.shape[0]):
+        u[0, i] = v[i]
+    for i in range(v.shape[0]):
+        v[i] = u[k, i] + u[1, i]
+"""),
+    "a row from the end, which may be one of the others": (2, """
+def f(u, v):
+    for i in range(v.shape[0]):
+        u[0, i] = v[i]
+    for i in range(v.shape[0]):
+        u[-1, i] = 2.0
+"""),
+    "numbers of rows in other places": (2, """
+def f(u, v):
+    for i in range(v.shape[0]):
+        u[0, i] = v[i]
+    for i in range(v.shape[0]):
+        u[i, 1] = 2.0
+"""),
+    "what has nothing to do with them in between": (3, """
+def f(u, v, w, y):
+    for i in range(u.shape[0]):
+        u[i] = 2.0
+    p = matmul(w, y)
+    for i in range(w.shape[0]):
+        for j in range(w.shape[1]):
+            w[i, j] = y[i]
+    for i in range(u.shape[0]):
+        v[i] = u[i]
+"""),
+    "what reads the first one in between": (2, """
+def f(u, v, w):
+    for i in range(u.shape[0]):
+        u[i] = 2.0
+    p = matmul(w, u)
+    for i in range(u.shape[0]):
+        v[i] = u[i]
+"""),
+    "what writes an operand of the first one in between": (3, """
+def f(u, v, w):
+    for i in range(u.shape[0]):
+        u[i] = w[0]
+    for j in range(w.shape[0]):
+        w[j] = 1.0
+    for i in range(u.shape[0]):
+        v[i] = u[i]
+"""),
+    "what writes the size of the first one in between": (2, """
+def f(u, v, n):
+    for i in range(n):
+        u[i] = 2.0
+    n = v.shape[0] + n - v.shape[0]
+    for i in range(n):
+        v[i] = u[i]
+"""),
+    "a part of the first one's array in between": (2, """
+def f(u, v):
+    for i in range(u.shape[0]):
+        u[i] = 2.0
+    w = u[1:]
+    for i in range(u.shape[0]):
+        v[i] = u[i]
+"""),
+    "what reads the first one's array under another name in between": (2, """
+def f(u, v, y):
+    w = reshape(u, (2, 2))
+    for i in range(v.shape[0]):
+        u[i] = v[i]
+    p = matmul(w, y)
+    for i in range(v.shape[0]):
+        v[i] = 2.0
+"""),
+    "a number that the first one leaves, in between": (3, """
+def f(u, v, w):
+    t = 0.0
+    for i in range(u.shape[0]):
+        t = u[i]
+    for j in range(w.shape[0]):
+        w[j] = t
+    for i in range(u.shape[0]):
+        v[i] = 1.0
+"""),
+    "a call in between": (2, """
+def f(u, v, w):
+    for i in range(u.shape[0]):
+        u[i] = 2.0
+    t = helper(w)
+    for i in range(u.shape[0]):
+        v[i] = u[i]
+"""),
+    "a branch that leaves, in between": (3, """
+def f(u, v, w):
+    for k in range(u.shape[0]):
+        for i in range(u.shape[0]):
+            u[i] = 2.0
+        if w[0] > 1.0:
+            break
+        for i in range(u.shape[0]):
+            v[i] = u[i]
 """),
 }
 

@@ -19,10 +19,9 @@ def kernel_adjoint_taped(u, u_bar, rate, n, result_bar, u_1_stack):
     """Adjoint of kernel: d(return) / d(u, rate), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     before = np.empty_like(u)
+    u_1 = np.empty_like(u)
     for i in range(before.shape[0]):
         before[i] = u[i]
-    u_1 = np.empty_like(u)
-    for i in range(u_1.shape[0]):
         u_1[i] = u[i]
     u_1_2 = np.empty_like(u_1)
     u_1_stack = sized(u_1_stack, (len(range(n)), u_1.shape[0]))

@@ -31,23 +31,19 @@ def kernel_adjoint(u, u_bar, a, result_0_bar, result_1_bar, result_2_bar):
     out_bar = np.zeros_like(out)
     slope_bar = np.zeros_like(slope)
     returned_bar = np.zeros_like(returned)
-    for i in range(slope_bar.shape[0]):
-        # return slope, u[1:], slope
-        slope_bar[i] += result_0_bar[i]
     for i in range(returned_bar.shape[0]):
+        returned_bar_here = 0.0
         # return slope, u[1:], slope
-        returned_bar[i] = result_1_bar[i]
-    for i in range(slope_bar.shape[0]):
-        # return slope, u[1:], slope
-        slope_bar[i] += result_2_bar[i]
-    for i in range(returned.shape[0]):
-        # return slope, u[1:], slope
-        seed = returned_bar[i]
+        returned_bar_here += result_1_bar[i]
+        seed = returned_bar_here
         u_bar[i + 1] += seed
-    for i in range(slope.shape[0]):
+    for i in range(slope_bar.shape[0]):
+        slope_bar_here = 0.0
+        # return slope, u[1:], slope
+        slope_bar_here += result_0_bar[i]
+        slope_bar_here += result_2_bar[i]
         # slope = a * differences(u)
-        seed = slope_bar[i]
-        slope_bar[i] = 0.0
+        seed = slope_bar_here
         a_bar = added(a_bar, out[i] * seed)
         out_bar[i] += a * seed
     if 1 < u.size:

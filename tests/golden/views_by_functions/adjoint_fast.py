@@ -20,16 +20,14 @@ def kernel_adjoint(dy, dy_bar, y, y_bar, n):
         "an array is reshaped to another number of elements: give "
         "np.reshape sizes that multiply to its own"
     )
-    for i_2 in range(u.shape[0]):
-        for j_2 in range(u.shape[1]):
-            u[i_2, j_2] = y[i_2 * n + j_2]
     v = np.empty((n, n))
     assert y.shape[0] - position(n * n, y.shape[0]) == n * n, (
         "an array is reshaped to another number of elements: give "
         "np.reshape sizes that multiply to its own"
     )
-    for i_2 in range(v.shape[0]):
-        for j_2 in range(v.shape[1]):
+    for i_2 in range(u.shape[0]):
+        for j_2 in range(u.shape[1]):
+            u[i_2, j_2] = y[i_2 * n + j_2]
             v[i_2, j_2] = y[i_2 * n + position(n * n, y.shape[0]) + j_2]
     du = np.empty((n, n))
     assert position(n * n, dy.shape[0]) == n * n, (

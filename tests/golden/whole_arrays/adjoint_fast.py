@@ -21,10 +21,9 @@ def kernel_adjoint_taped(y, y_bar, x, x_bar, a, result_bar, y_stack):
         "shapes differ: a length of 1 repeats only where it is "
         "written, as in x[:, None] or x[:1], or an argument's"
     )
-    for i in range(y.shape[0]):
-        y[i] = a * x[i] + y[i]
     y_stack = sized(y_stack, (y.shape[0],))
     for i in range(y.shape[0]):
+        y[i] = a * x[i] + y[i]
         y_stack[i] = y[i]
         y[i] = y[i] * np.sin(x[i])
     # reverse sweep
