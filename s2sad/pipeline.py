@@ -45,6 +45,7 @@ from s2sad.tree import FunctionDef
 from s2sad.units import Place, UnitDerivative, Unit, Units, check_outlined, loops_that_keep, user_names
 from s2sad.units.bounds import index_limits
 from s2sad.units.fast_functions import aliased_derivatives, fast, fast_primal, fast_sweeps
+from s2sad.units.rounded_tapes import refuse_unrounded
 
 __all__ = ["EntrySummary", "derive", "summary"]
 
@@ -82,7 +83,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
                                     "not known here", help="name the loops that keep snapshots, and how many: k=20"))
     keep = loops_that_keep(program, request.recording.loops) if request.mode == "adjoint" else {}
     units, unit = entry(program, request.types, request.engine, watch, forms, keep)
-    units.memory = request.recording.memory
+    units.memory, units.tape_dtype = request.recording.memory, request.recording.tape_dtype
     if request.engine == "numba":
         compilable(units)
     limits = index_limits(unit, units) if request.engine == "numba" else None
@@ -102,6 +103,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     wanted = DerivativeRequest(request.wrt, expanded(request.of, unit), request.with_primal, split=request.split)
     derived = units.derive(request.mode, unit, wanted)
     units.keep_derived(derived)
+    refuse_unrounded(units)
     made = [f for d in units.derived.values() for f in d.functions]
     found = facts(derived, request, units) | {"unshadowed": missing_shadows(
         unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges), "index_limits": limits}

@@ -170,16 +170,18 @@ Checkpoints = tuple[tuple[str, Snapshots], ...]     # loops as the user calls th
 
 
 Economy = Literal["least", "balanced", "fastest"]
+TapeDtype = Literal["float64", "float32"]
 
 
 @dataclass(frozen=True)
 class Recording:
     """How an adjoint has again what is overwritten: the `loops` that keep snapshots, or the bytes that a call may take
-    beside its arguments, within which loops are chosen once sizes are known (`limit`, 0 for none); and what counts
-    where `memory` costs time."""
+    beside its arguments, within which loops are chosen once sizes are known (`limit`, 0 for none); what counts where
+    `memory` costs time; and in what floats of double precision are recorded, where that decides nothing."""
     loops: Checkpoints = ()
     limit: int = 0
     memory: Economy = "balanced"
+    tape_dtype: TapeDtype = "float64"
 
     def keeping(self, loops: Checkpoints) -> Recording:
         """The same where these loops keep snapshots."""

@@ -1,12 +1,12 @@
 """What the analyses of one derivative share, and what each finds out for later ones and for `differentiate`."""
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Collection, Set
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 from s2sad.passes import Context
-from s2sad.program import Economy
+from s2sad.program import Economy, TapeDtype
 from s2sad.tree import AST, Call
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ class CallFacts(Protocol):
     def unbounded(self, called: Call) -> UnboundedValues | None: ...
     def writes(self, statement: AST) -> list[AST]: ...
     def refills(self, node: Call, array: str, known: Set[str]) -> bool: ...
+    def decides(self, called: Call) -> Collection[int]: ...
     def adjoint_after(self, statement: AST) -> bool: ...
     def unsupported(self, called: Call, pattern: ActivityPattern, mode: str) -> str: ...
 
@@ -39,6 +40,7 @@ class AnalysisContext(Context):
     derive: Derive                  # makes the derivative of a callee
     choices: Choices = field(default_factory=dict)
     memory: Economy = "balanced"
+    tape_dtype: TapeDtype = "float64"
     structure: ProgramStructure = field(init=False)
     activity: Activity = field(init=False)
     unbounded: UnboundedValues = field(init=False)

@@ -57,7 +57,7 @@ class RecordingPlan:
     statements with something to reverse, `reallocated` the allocations in loops whose arrays the reverse sweep binds
     again, `after` the statements whose adjoints run in the state that they leave, `halves` the calls whose adjoints are
     the sweeps of a function, of which the tapes are kept (`tapes` is their weight). `dtypes` are those of entries that
-    take less than what is recorded, by its key."""
+    take less than what is recorded, by its key, `exact` has the statements for whose sake floats are not rounded."""
     rerun: frozenset[int] = frozenset()
     snapshots: tuple[Snapshot, ...] = ()
     values: dict[str, ReverseValue] = field(default_factory=dict)
@@ -73,6 +73,7 @@ class RecordingPlan:
     after: frozenset[int] = frozenset()
     weight: int = 0
     dtypes: dict[str, str] = field(default_factory=dict)
+    exact: dict[str, AST] = field(default_factory=dict)
     halves: frozenset[int] = frozenset()
     tapes: int = 0
     readers: dict[str, list[AST]] = field(default_factory=dict)

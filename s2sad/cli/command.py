@@ -199,10 +199,10 @@ def _listed(names: str | None) -> tuple[str, ...] | None:
 
 
 def _recording_options(parser: argparse.ArgumentParser, options: argparse.Namespace) -> Recording:
-    """What `--memory` and `--checkpoint "k=20, advance.k=10@/scratch"` say, or `"1 GB"`."""
+    """What `--memory`, `--tape-dtype` and `--checkpoint "k=20, advance.k=10@/scratch"` say, or `"1 GB"`."""
     text, found = options.checkpoint, {}
     if text is not None and "=" not in text and text.strip()[:1].isdecimal():
-        return recording_of(int(text) if text.strip().isdecimal() else text, options.memory)
+        return recording_of(int(text) if text.strip().isdecimal() else text, options.memory, options.tape_dtype)
     for part in _listed(text) or ():
         loop, sign, snapshots = part.partition("=")
         count, disk, folder = snapshots.partition("@")
@@ -210,7 +210,7 @@ def _recording_options(parser: argparse.ArgumentParser, options: argparse.Namesp
             parser.error(f"--checkpoint: '{part}' is not LOOP=NUMBER or LOOP=NUMBER@FOLDER, as k=20, advance.k=20, "
                          "line 14=20 or k=20@/scratch")
         found[loop.strip()] = Snapshots(int(count), folder.strip() or None)
-    return recording_of(found, options.memory)
+    return recording_of(found, options.memory, options.tape_dtype)
 
 
 def _types_option(parser: argparse.ArgumentParser, text: str) -> Said:

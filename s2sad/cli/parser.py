@@ -7,7 +7,7 @@ from contextlib import suppress
 from importlib import metadata
 
 from s2sad import __version__
-from s2sad.interface.recording_arguments import ECONOMIES
+from s2sad.interface.recording_arguments import ECONOMIES, TAPE_DTYPES
 from s2sad.report.stages import ROOMS
 
 _ABOUT = """\
@@ -86,7 +86,7 @@ def _add_options(parser: argparse.ArgumentParser, command: str) -> None:
                         "(numba); each text runs under both (default: %(default)s)")
     parser.add_argument("--level", choices=("plain", "fast"), default="plain",
                         help="statement by statement, or what runs (default: plain)")
-    parser.set_defaults(standalone=False, checkpoint=None, memory=None, split=False)
+    parser.set_defaults(standalone=False, checkpoint=None, memory=None, tape_dtype=None, split=False)
     if command == "adjoint":
         parser.add_argument("--split", action="store_true", help="two functions: the augmented primal, which gives the "
                             "tape, and the reverse sweep, which takes it")
@@ -97,6 +97,8 @@ def _add_options(parser: argparse.ArgumentParser, command: str) -> None:
                             "--arguments")
         parser.add_argument("--memory", choices=ECONOMIES, help="what counts where memory costs time (default: "
                             "balanced)")
+        parser.add_argument("--tape-dtype", choices=TAPE_DTYPES, help="in what floats of double precision are recorded "
+                            "(default: float64)")
     if command in ("adjoint", "tangent", "stages"):
         parser.add_argument("--standalone", action="store_true", help="write a file that needs NumPy alone")
     if command == "explain":

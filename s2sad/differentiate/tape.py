@@ -98,7 +98,7 @@ class Tape:
     def _make(self, key: str, base: str, value: Type, inside: tuple[AST, ...], shape: AST | None,
               carried: bool = False, ragged: bool = False) -> Stack:
         inner, home = self._homes(_loops(inside), carried)
-        kind = replace(value, dtype=self.dtypes.get(key, value.dtype)) if inner else value
+        kind = replace(value, dtype=self.dtypes.get(key, value.dtype)) if inner or value.is_array else value
         made = Stack(self.free.fresh(f"{base}_stack" if inner else f"{base}_before"), value, loops=inner, kind=kind,
                      shape=shape, ragged=ragged)
         if not inner:
@@ -147,7 +147,7 @@ class Tape:
             return push_region(stack.array, stack.top, self.region(value))
         whole = self.typing.of(value).is_array
         if not stack.counters and not stack.top:
-            return [assign(stack.array, call("numpy.copy", value) if whole else value)]
+            return [assign(stack.array, _copied(stack, value) if whole else value)]
         place = name(stack.top) if stack.top else stack.pushed
         if place is None or stack.reservation is not None:
             return [assign(self.cell(stack), value)]
@@ -212,6 +212,12 @@ class Tape:
 def widened(stack: Stack, entry: AST) -> AST:
     """An entry of a stack as the number that was recorded: arithmetic goes on in its dtype."""
     return entry if stack.kind == stack.value else call(f"numpy.{stack.value.dtype}", entry)
+
+
+def _copied(stack: Stack, array: AST) -> AST:
+    """A copy of an array with the stack's dtype."""
+    return call("numpy.copy", array) if stack.kind == stack.value else call(
+        "numpy.asarray", array, name(f"numpy.{stack.kind.dtype}"))
 
 
 def _loops(inside: tuple[AST, ...]) -> tuple[AST, ...]:

@@ -112,6 +112,10 @@ def _recorded(derived: UnitDerivative, key: str, stack: Stack) -> StackEntry:
         statement = places[int(key.split()[1])].statement
         variable, what = "trips", f"the trips of `{text_of(statement, source, _LONGEST)}`"
         readers = readers or (statement,)
+    if key in plan.exact:
+        what += f", not rounded for `{text_of(plan.exact[key], source, _LONGEST)}`"
+    elif stack.kind.is_inexact and stack.kind != stack.value:
+        what += f", as {stack.kind.dtype}"
     return StackEntry(stack.array, variable, what, stack.kind.dtype, statement, readers, _factors(stack),
                       stack.grows, family)
 

@@ -17,7 +17,7 @@ from s2sad.interface.foreign_names import unexpected_keywords
 from s2sad.interface.pytrees import flat_autodiff as with_structures, flat_tapes, flatten, flat_call
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import selection_of
-from s2sad.program import Economy, Recording, Request
+from s2sad.program import Economy, Recording, Request, TapeDtype
 from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.compiled import chosen
 from s2sad.run.memory import Memory
@@ -42,19 +42,20 @@ R = TypeVar("R", covariant=True)
 
 @overload
 def differentiate(function: Callable[P, R], *, wrt: Wrt = None, of: Wrt = None, engine: str = "auto",
-                  checkpoint: Checkpoint = None, memory: Economy | None = None) -> Differentiated[P, R]: ...
+                  checkpoint: Checkpoint = None, memory: Economy | None = None,
+                  tape_dtype: TapeDtype | None = None) -> Differentiated[P, R]: ...
 
 
 @overload
 def differentiate(function: None = None, *, wrt: Wrt = None, of: Wrt = None, engine: str = "auto",
-                  checkpoint: Checkpoint = None, memory: Economy | None = None
+                  checkpoint: Checkpoint = None, memory: Economy | None = None, tape_dtype: TapeDtype | None = None
                   ) -> Callable[[Callable[P, R]], Differentiated[P, R]]: ...
 
 
 @public
 def differentiate(function: Callable[..., Any] | None = None, *, wrt: Wrt = None, of: Wrt = None,
                   engine: str = "auto", checkpoint: Checkpoint = None, memory: Economy | None = None,
-                  **unknown: NoReturn) -> Any:
+                  tape_dtype: TapeDtype | None = None, **unknown: NoReturn) -> Any:
     """The function, which still does what it did, with its derivatives as attributes; see `Differentiated`.
 
     Args: wrt, names or positions of parameters (default: every float array and float scalar); of, names of written
@@ -62,7 +63,8 @@ def differentiate(function: Callable[..., Any] | None = None, *, wrt: Wrt = None
     checkpoint, the loops that keep snapshots in place of a tape, and how many: {"k": 20}, {"advance.k": 20} of a
     function that is called, {"line 14": 20}; or the memory that a call may take beside its arguments, "1 GB" or a
     number of bytes, within which loops and numbers are chosen by the sizes of each call (S410 where none fits); memory,
-    what counts where memory costs time: "least", "balanced" (default) or "fastest".
+    what counts where memory costs time: "least", "balanced" (default) or "fastest"; tape_dtype, "float64" (default), or
+    "float32" where floats of double precision are to be recorded in single precision, rounded by 6e-8 of themselves.
     Raises S2sadError (S405) for an engine that is not there, S408 for a `checkpoint` that is none; everything else when
     a derivative is first asked for. Literature: Griewank and Walther, ACM TOMS 26, 2000.
 
@@ -77,9 +79,9 @@ def differentiate(function: Callable[..., Any] | None = None, *, wrt: Wrt = None
         raise unexpected_keywords("differentiate", unknown)
     chosen(engine)
     if function is None:
-        recording = recording_of(checkpoint, memory)
+        recording = recording_of(checkpoint, memory, tape_dtype)
         return lambda f: Differentiated(f, wrt, of, engine, recording)
-    return Differentiated(function, wrt, of, engine, checkpoint, memory)
+    return Differentiated(function, wrt, of, engine, recording_of(checkpoint, memory, tape_dtype))
 
 
 class Differentiated(Decorated, Generic[P, R]):
@@ -91,13 +93,13 @@ class Differentiated(Decorated, Generic[P, R]):
     """
 
     def __init__(self, function: Callable[P, R], wrt: Wrt = None, of: Wrt = None, engine: str = "auto",
-                 checkpoint: Checkpoint = None, memory: Economy | None = None):
+                 checkpoint: Checkpoint = None):
         self.__wrapped_kernel__ = derivatives_of(function).function
         functools.update_wrapper(self, self.__wrapped_kernel__, updated=())
         self._original = function
         self._derivatives = derivatives_of(function)
         self.wrt, self.of = names_of(wrt, function), names_of(of, function, "of")
-        self.__s2sad_selection__ = Selection(self.wrt, self.of, engine, recording_of(checkpoint, memory))
+        self.__s2sad_selection__ = Selection(self.wrt, self.of, engine, recording_of(checkpoint))
         self._tokens = {mode: f"{mode} {self.__s2sad_selection__!r}" for mode in ("adjoint", "tangent")}
 
     def decorator_arguments(self) -> tuple[Any, ...]:

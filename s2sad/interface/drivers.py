@@ -14,7 +14,7 @@ from s2sad.interface.foreign_names import unexpected_keywords
 from s2sad.interface.pytrees import Carrier, flat_drivers as with_structures, flatten
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
-from s2sad.program import Economy
+from s2sad.program import Economy, TapeDtype
 from s2sad.interface.selection import RETURN, Wrt, names_of
 from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.memory import Memory
@@ -31,16 +31,16 @@ _INTEGERS = (int, np.integer)
 
 @public
 def gradient(f: Callable[P, Any], wrt: Wrt = None, checkpoint: Checkpoint = None, memory: Economy | None = None,
-             **unknown: NoReturn) -> Gradient[P]:
+             tape_dtype: TapeDtype | None = None, **unknown: NoReturn) -> Gradient[P]:
     """A function of f's arguments that returns the gradient of the one float that f returns.
 
     Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or position of a parameter, or
     several (default: all that are floats by f's text: annotation, default, use); checkpoint, the loops that keep
-    snapshots in place of a tape, or a limit for the memory, and memory, as for `differentiate`. The result is one array
-    (of the argument's shape and dtype) or float for one of them, a dict by name for several; an integer that stands
-    there for a float is one. Arguments are never changed, read-only arrays are fine, and nothing is changed when f
-    raises. The gradient of a structure is one of the same make, what is no float as it was; names may mean parts:
-    "p.k".
+    snapshots in place of a tape, or a limit for the memory, memory and tape_dtype, as for `differentiate`. The result
+    is one array (of the argument's shape and dtype) or float for one of them, a dict by name for several; an integer
+    that stands there for a float is one. Arguments are never changed, read-only arrays are fine, and nothing is changed
+    when f raises. The gradient of a structure is one of the same make, what is no float as it was; names may mean
+    parts: "p.k".
     Raises S2sadError: S401 (f does not return one float; wrt names nothing that is a float), S404 (a written argument
     shares memory with another), S405 (an argument of another type); and what f raises. Reverse mode: Griewank and
     Walther, Evaluating Derivatives, SIAM 2008.
@@ -56,12 +56,12 @@ def gradient(f: Callable[P, Any], wrt: Wrt = None, checkpoint: Checkpoint = None
     """
     if unknown:
         raise unexpected_keywords("gradient", unknown)
-    return Gradient(f, wrt, checkpoint, memory)
+    return Gradient(f, wrt, checkpoint, memory, tape_dtype)
 
 
 @public
 def value_and_gradient(f: Callable[P, R], wrt: Wrt = None, checkpoint: Checkpoint = None, memory: Economy | None = None,
-                       **unknown: NoReturn) -> ValueAndGradient[P, R]:
+                       tape_dtype: TapeDtype | None = None, **unknown: NoReturn) -> ValueAndGradient[P, R]:
     """As `gradient`, but the function returns (value, gradient); `scipy.optimize.minimize(..., jac=True)` takes it.
 
     Args, errors and literature as for `gradient`; the value is f's float.
@@ -77,7 +77,7 @@ def value_and_gradient(f: Callable[P, R], wrt: Wrt = None, checkpoint: Checkpoin
     """
     if unknown:
         raise unexpected_keywords("value_and_gradient", unknown)
-    return ValueAndGradient(f, wrt, checkpoint, memory)
+    return ValueAndGradient(f, wrt, checkpoint, memory, tape_dtype)
 
 
 class _Driver(Decorated):
@@ -85,9 +85,9 @@ class _Driver(Decorated):
     _what = ""
 
     def __init__(self, f: Callable[..., Any], wrt: Wrt = None, checkpoint: Checkpoint = None,
-                 memory: Economy | None = None):
+                 memory: Economy | None = None, tape_dtype: TapeDtype | None = None):
         self._derivatives, self._names = derivatives_of(f), names_of(wrt, f)
-        self._carrier = carrier_of(f, checkpoint, memory)
+        self._carrier = carrier_of(f, checkpoint, memory, tape_dtype)
         self.__wrapped__ = f
         name, self.__module__ = getattr(f, "__name__", "f"), getattr(f, "__module__", __name__)
         self.__name__ = self.__qualname__ = f"{self._what.replace(' ', '_')}_of_{name}"
@@ -168,7 +168,8 @@ def _with_floats(state: ProgramVersion, names: tuple[str, ...] | None, args: tup
 
 @public
 def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wrt: Wrt = None,
-        checkpoint: Checkpoint = None, memory: Economy | None = None) -> dict[str, Any]:
+        checkpoint: Checkpoint = None, memory: Economy | None = None, tape_dtype: TapeDtype | None = None
+        ) -> dict[str, Any]:
     """The gradients, by argument name, of the outputs weighted by `seeds`, at the arguments' entry values.
 
     Args: args, all of f's positional arguments; seeds by output name: a written argument's name (an array of its
@@ -188,7 +189,7 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wr
     """
     given, args, _ = apply_functions(f, _argument_tuple(args), {})
     state, names = derivatives_of(given).state(), names_of(wrt, given)
-    carrier = carrier_of(f, checkpoint, memory)
+    carrier = carrier_of(f, checkpoint, memory, tape_dtype)
     flattened = flatten(state, args)
     if flattened is not None:
         _keys_of(seeds, "seeds")
@@ -200,11 +201,11 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wr
     return entry.vjp(args, seeds)
 
 
-def carrier_of(f: Any, checkpoint: Checkpoint, memory: Economy | None) -> Any:
+def carrier_of(f: Any, checkpoint: Checkpoint, memory: Economy | None, tape_dtype: TapeDtype | None) -> Any:
     """What has the selection of a function, with another recording if one is asked for."""
-    if checkpoint is None and memory is None:
+    if checkpoint is None and memory is None and tape_dtype is None:
         return f
-    found = recording_of(checkpoint, memory, selection_of(f).recording)
+    found = recording_of(checkpoint, memory, tape_dtype, selection_of(f).recording)
     return Carrier.with_overrides(f, None, None, None, found)
 
 

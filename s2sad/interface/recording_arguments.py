@@ -1,5 +1,5 @@
-"""What `checkpoint` and `memory` may be: the loops that keep snapshots, and how many, or a limit for the memory of a
-call; what counts where memory costs time.
+"""What `checkpoint`, `memory` and `tape_dtype` may be: the loops that keep snapshots, and how many, or a limit for the
+memory of a call; what counts where memory costs time; in what floats are recorded.
 
     {"k": 20, "advance.k": 10, "line 14": Snapshots(5, on_disk="/scratch")}
     "1 GB", "200 MB", 1_000_000_000
@@ -16,21 +16,22 @@ import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.interface.schedules import is_schedule, schedule_of
-from s2sad.program import Checkpoints, Economy, Recording, Snapshots
+from s2sad.program import Checkpoints, Economy, Recording, Snapshots, TapeDtype
 
 Checkpoint = Mapping[str, Any] | Iterable[tuple[str, Any]] | str | int | Recording | None
 
-ECONOMIES = get_args(Economy)
+ECONOMIES, TAPE_DTYPES = get_args(Economy), get_args(TapeDtype)
 _PLAIN = Recording()
 _LIMIT = re.compile(r"(\d+(?:\.\d+)?)\s*([kMGT]?)(i?)B", re.IGNORECASE)
 _POWERS = {"": 0, "K": 1, "M": 2, "G": 3, "T": 4}
 
 
-def recording_of(checkpoint: Checkpoint, memory: Economy | None = None, carried: Recording = _PLAIN) -> Recording:
-    """What is carried, with what `checkpoint` and `memory` say in its place; raises S2sadError (S408).
+def recording_of(checkpoint: Checkpoint, memory: Economy | None = None, tape_dtype: TapeDtype | None = None,
+                 carried: Recording = _PLAIN) -> Recording:
+    """What is carried, with what `checkpoint`, `memory` and `tape_dtype` say in its place; raises S2sadError (S408).
 
-    >>> recording_of("1.5 GB").limit, recording_of("2 MiB", "least"), recording_of({"k": 20}).loops[0][1].count
-    (1500000000, Recording(loops=(), limit=2097152, memory='least'), 20)
+    >>> recording_of("1.5 GB").limit, recording_of("2 MiB", "least").memory, recording_of({"k": 20}).loops[0][1].count
+    (1500000000, 'least', 20)
     """
     if isinstance(checkpoint, Recording):
         carried = checkpoint
@@ -38,11 +39,10 @@ def recording_of(checkpoint: Checkpoint, memory: Economy | None = None, carried:
         one = isinstance(checkpoint, str) or not isinstance(checkpoint, Iterable)
         loops, limit = ((), _limit_of(checkpoint)) if one else (_loops_of(checkpoint), 0)
         carried = replace(carried, loops=loops, limit=limit)
-    if memory is None:
-        return carried
-    if memory not in ECONOMIES:
-        raise S2sadError(Diagnostic("S408", f"memory is {memory!r}", help=f"say {', '.join(map(repr, ECONOMIES))}"))
-    return replace(carried, memory=memory)
+    for title, said, known in (("memory", memory, ECONOMIES), ("tape_dtype", tape_dtype, TAPE_DTYPES)):
+        if said is not None and said not in known:
+            raise S2sadError(Diagnostic("S408", f"{title} is {said!r}", help=f"say {', '.join(map(repr, known))}"))
+    return replace(carried, memory=memory or carried.memory, tape_dtype=tape_dtype or carried.tape_dtype)
 
 
 def _loops_of(chosen: Any) -> Checkpoints:

@@ -1,6 +1,7 @@
 """Units are differentiated: DERIVATIVES on a unit in normal form, then `simplify`'s lists, once for each request."""
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from s2sad.analyze.callee_derivatives import ActivityPattern, CalleeDerivative, 
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.recording_plan import RecordingPlan
 from s2sad.analyze.request import DerivativeRequest
+from s2sad.analyze.tape_entries.decision_reads import DecisionReads, deciding_parameters
 from s2sad.analyze.unbounded_values import UnboundedValues, unbounded_values_of
 from s2sad.analyze.work_arrays import refills
 from s2sad.differentiate import PASSES as DIFFERENTIATION
@@ -34,7 +36,7 @@ from s2sad.normalize.calls.global_arrays import hidden_arrays
 from s2sad.normalize.calls.outlining import OutlinedLoop
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.passes import Passes, run
-from s2sad.program import Economy, Table
+from s2sad.program import Economy, Table, TapeDtype
 from s2sad.simplify import DerivativeContext, Effect, Effects
 from s2sad.simplify.wide_accumulators import uses_float32
 from s2sad.tree import AST, Assert, Call, For, FunctionDef, Name, function, is_comment, user_call, walk, walk_statements
@@ -84,6 +86,8 @@ class Units(NormalForms):
     unbounded_tables: dict[str, UnboundedValues] = field(default_factory=dict)
     schedules: dict[str, Table] = field(default_factory=dict)     # tables that texts hold
     memory: Economy = "balanced"
+    tape_dtype: TapeDtype = "float64"
+    deciding: dict[str, frozenset[int]] = field(default_factory=dict)     # parameters by which units decide, by title
 
     def without_derivatives(self) -> Units:
         """The same units with nothing derived: no text depends on what was derived before it."""
@@ -141,7 +145,8 @@ class Units(NormalForms):
         context = DifferentiationContext(
             program=self.program, kernel=unit.kernel, names=names, engine=self.engine, watch=self.watch,
             request=request, mode=mode, calls=self, derive=self.callee_derivatives(mode), title=title,
-            family=unit.family, flat=flat, memory=self.memory)
+            family=unit.family, flat=flat, memory=self.memory,
+            tape_dtype=self.tape_dtype)
         context.typing = typing
         made = run(DERIVATIVES, unit.function, context)
         apart = request.split or request.halves
@@ -217,6 +222,15 @@ class Units(NormalForms):
             every = Activity(frozenset(unit.typing.table), frozenset(unit.typing.table), ())
             self.unbounded_tables[unit.title] = unbounded_values_of(unit.function, unit.typing, every, self.unbounded)
         return self.unbounded_tables[unit.title]
+
+    def decides(self, called: Call) -> Collection[int]:
+        """The positions of the floats on which the way of a callee hangs: a user's own derivative may ask any."""
+        unit = self.callee(called)
+        if unit is None or unit.kernel.own is not None or unit.kernel.residual:
+            return range(len(called.args))
+        if unit.title not in self.deciding:
+            self.deciding[unit.title] = deciding_parameters(unit.function, DecisionReads(unit.typing, self, {}))
+        return self.deciding[unit.title]
 
     def unsupported(self, called: Call, pattern: ActivityPattern, mode: str) -> str:
         """What a derivative of the user's own lacks for a call, in words; empty if nothing."""

@@ -91,6 +91,13 @@ def _copied(meter: Meter, args: list[Any], keywords: Keywords) -> Any:
     return _like(meter, args, keywords)
 
 
+def _as_array(meter: Meter, args: list[Any], keywords: Keywords) -> Any:
+    """An array itself, or a copy with another dtype."""
+    model, kind = args[0], args[1] if len(args) > 1 else None
+    return model if kind is None or not isinstance(model, Array) or np.dtype(kind) == model.dtype else _like(
+        meter, args, keywords)
+
+
 def _arange(meter: Meter, args: list[Any], keywords: Keywords) -> Array:
     kind = _dtype(keywords.get("dtype"), np.float64 if any(isinstance(a, float) for a in args) else np.int64)
     return allocated(meter, (_trips(args),), kind)
@@ -275,6 +282,7 @@ _FUNCTIONS: dict[str, Function] = {
     **dict.fromkeys(("np.empty", "np.zeros", "np.ones"), _made), "np.full": _full,
     **dict.fromkeys(("np.empty_like", "np.zeros_like", "np.ones_like", "np.full_like"), _like),
     **dict.fromkeys(("np.copy", "np.array", "np.ascontiguousarray", "method copy"), _copied),
+    "np.asarray": _as_array,
     "np.arange": _arange, "np.linspace": _linspace, "np.eye": _square, "np.identity": _square,
     **dict.fromkeys(("np.sort", "np.cumsum", "np.cumprod", "np.roll", "np.linalg.inv", "np.linalg.cholesky",
                      "np.tril", "np.triu", "np.flip", "scattered"), _same_shape),
