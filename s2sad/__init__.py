@@ -25,6 +25,9 @@ if TYPE_CHECKING:
         vjp as vjp,
     )
     from s2sad.interface.loop_marks import timesteps as timesteps
+    from s2sad.jacobians.compression_plan import Plan as Plan
+    from s2sad.jacobians.jacobian import Jacobian as Jacobian, jacobian as jacobian
+    from s2sad.jacobians.second_order import Hessian as Hessian, hessian as hessian, hvp as hvp
     from s2sad.interface.tapes import Tape as Tape, clear as clear
     from s2sad.program import Snapshots as Snapshots
     from s2sad.custom.user_rules import nondifferentiable as nondifferentiable, rule as rule
@@ -45,6 +48,9 @@ _HOMES = {
     "report.explain": ("Explanation", "explain"),
     "run.memory": ("Memory",),
     "interface.loop_marks": ("timesteps",),
+    "jacobians.compression_plan": ("Plan",),
+    "jacobians.jacobian": ("Jacobian", "jacobian"),
+    "jacobians.second_order": ("Hessian", "hessian", "hvp"),
     "interface.tapes": ("Tape", "clear"),
     "program": ("Snapshots",),
     "interface.drivers": ("gradient", "jvp", "make_zero", "value_and_gradient", "vjp"),
@@ -52,9 +58,10 @@ _HOMES = {
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [
     "Active", "BatchDuplicated", "Bench", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed",
-    "Explanation", "Forward", "ForwardWithPrimal", "Memory", "Reverse", "ReverseWithPrimal", "S2sadError",
-    "S2sadWarning", "Snapshots", "Tape", "autodiff", "bench", "check", "clear", "differentiate", "explain",
-    "gradient", "jvp", "make_zero", "nondifferentiable", "rule", "timesteps", "value_and_gradient", "vjp",
+    "Explanation", "Forward", "ForwardWithPrimal", "Hessian", "Jacobian", "Memory", "Plan", "Reverse",
+    "ReverseWithPrimal", "S2sadError", "S2sadWarning", "Snapshots", "Tape", "autodiff", "bench", "check", "clear",
+    "differentiate", "explain", "gradient", "hessian", "hvp", "jacobian", "jvp", "make_zero", "nondifferentiable",
+    "rule", "timesteps", "value_and_gradient", "vjp",
 ]
 
 

@@ -6,12 +6,9 @@ from typing import NoReturn
 _FUNCTIONS = {
     **dict.fromkeys(("grad", "derivative", "elementwise_grad"), 'write s2sad.gradient(f, wrt="x")'),
     **dict.fromkeys(("value_and_grad", "grad_and_value", "val_grad"), 'write s2sad.value_and_gradient(f, wrt="x")'),
-    **dict.fromkeys(("jacobian", "jac", "jacrev", "jacfwd", "jacobi"),
-                    'write s2sad.vjp(f, args, {"return": seed}) for each row of it, with the unit vectors, or '
-                    's2sad.jvp(f, args, {"x": tangent}) for each column'),
-    **dict.fromkeys(("hessian", "hess", "hvp", "hessian_vector_product", "vhp"),
-                    "there are no second derivatives yet; with g = s2sad.gradient(f), (g(x + h * v) - g(x - h * v)) / "
-                    "(2 * h) is the Hessian times v, to the digits that differences give"),
+    **dict.fromkeys(("jac", "jacrev", "jacfwd", "jacobi"), 'write s2sad.jacobian(f, wrt="x")'),
+    **dict.fromkeys(("hess",), 'write s2sad.hessian(f, wrt="x")'),
+    **dict.fromkeys(("hessian_vector_product", "vhp"), 'write s2sad.hvp(f, args, {"x": v})'),
     **dict.fromkeys(("jit", "njit", "compile"), "there is nothing to do: derivatives are compiled where Numba is "
                     "installed"),
     **dict.fromkeys(("vmap", "pmap", "batch"), "write a loop in the kernel, or over the calls"),

@@ -193,7 +193,10 @@ class ForwardCall(PreparedCall):
 
     def jvp(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> dict[str, Any]:
         values, shadows = self.bind_values(args, tangents)
-        returned = self.call(self.fv, values, shadows)
+        return self.outputs(shadows, self.call(self.fv, values, shadows))
+
+    def outputs(self, shadows: Mapping[str, Any], returned: Sequence[Any]) -> dict[str, Any]:
+        """The tangents of the outputs by name, after a call."""
         found: dict[int, Any] = dict(zip(places(self.fv.generated.returns), returned))
         for place, name in self.results.aliases.items():
             found[place] = shadows[name]

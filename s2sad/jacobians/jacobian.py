@@ -1,0 +1,96 @@
+"""Jacobians: of one output with respect to one argument, dense or sparse."""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.dispatch.cache import ProgramVersion
+from s2sad.interface.selection import RETURN, ReturnedValues, Wrt, names_of, selected_of
+from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
+from s2sad.jacobians.linear_maps import JacobianMap
+from s2sad.jacobians.matrix_drivers import MatrixDriver, Mode, only_one, real, version_and_values
+from s2sad.run.tracebacks import public
+
+
+@public
+def jacobian(f: Callable[..., Any], wrt: Wrt = None, of: Wrt = None, *, mode: Mode = "auto", sparse: Any = False,
+             format: str = "csr", check: bool = True) -> Jacobian:
+    """A function of f's arguments that returns the Jacobian of one output with respect to one argument.
+
+    Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or position of a parameter
+    (default: the only float); of, the name of a written array or "return" (default: the only output); mode, by
+    columns ("forward"), by rows ("reverse") or what takes fewer products ("auto"); sparse, True, a pattern (a SciPy
+    matrix or an array that is not zero where the Jacobian may be) or a `Plan`; format, "csr", "csc" or "coo"; check,
+    whether each sparse matrix is compared with the derivative for one more direction. A dense Jacobian has the shape
+    of the output and then that of the argument; a sparse one has two axes, the elements of both in C order. Arguments
+    are never changed. Its `plan(*args)` is the pattern with its colours.
+    Raises S2sadError: S401 (wrt or of names nothing that has one, or several), S403 (a pattern that is too small), S405
+    (structures, a plan for other shapes, no SciPy); and what f raises. Literature: Gebremedhin, Manne and Pothen,
+    What color is your Jacobian?, SIAM Review 47, 2005.
+
+    >>> import numpy as np
+    >>> def differences(du, u):
+    ...     for i in range(1, u.size):
+    ...         du[i] = u[i] ** 2 - u[i - 1]
+    >>> J = jacobian(differences, wrt="u", of="du", sparse=True)
+    >>> J(np.zeros(3), np.array([1.0, 2.0, 3.0])).toarray()
+    array([[ 0.,  0.,  0.],
+           [-1.,  4.,  0.],
+           [ 0., -1.,  6.]])
+    >>> J.plan(np.zeros(3), np.ones(3))
+    <plan of a 3 x 3 matrix: 4 entries, 2 forward products>
+    """
+    return Jacobian(f, wrt, of, mode, sparse, format, check)
+
+
+class Jacobian(MatrixDriver):
+    """The Jacobian of f, as a function of f's arguments; see `jacobian`."""
+    _what = "Jacobian"
+
+    def __init__(self, f: Any, wrt: Wrt = None, of: Wrt = None, mode: Mode = "auto", sparse: Any = False,
+                 format: str = "csr", check: bool = True):
+        super().__init__(f, mode, sparse, format, check)
+        self._wrt, self._of = names_of(wrt, f), names_of(of, f, "of")
+
+    def decorator_arguments(self) -> tuple[Any, ...]:
+        return self.__wrapped__, self._wrt, self._of, self._mode, self._sparse, self._format, self._check
+
+    def linear_map(self, args: Sequence[Any], keywords: dict[str, Any]) -> JacobianMap:
+        state, values = version_and_values(self.__wrapped__, args, keywords)
+        types = state.types(values)
+        carried = selection_of(self.__wrapped__)
+        key = ("jacobian", self._wrt, self._of, types, carried)
+        found = state.entries.get(key)
+        if found is None:
+            wrt = only_one(state, types, self._wrt if self._wrt is not None else carried.wrt)
+            of = _only_output(state, types, self._of if self._of is not None else carried.of)
+            call = ForwardCall(state, self.__wrapped__, tuple(values), (wrt,), (of,))
+            real(state.kernel.name, f"'{wrt}'", dict(zip(state.parameters, types))[wrt])
+            found = state.entries[key] = call, wrt, of
+        call, wrt, of = found
+
+        def reverse() -> ReverseCall:
+            by_rows = (*key, "reverse")
+            if by_rows not in state.entries:
+                state.entries[by_rows] = ReverseCall(state, self.__wrapped__, tuple(values), (of,), (wrt,))
+            return state.entries[by_rows]
+        return JacobianMap(call, reverse, values, wrt, of)
+
+
+def _only_output(state: ProgramVersion, types: Any, names: tuple[str, ...] | None) -> str:
+    """The one output that is meant: it is named, or is the only one."""
+    summary = state.summary(types)
+    title, results = state.kernel.name, ReturnedValues.of(summary)
+    found = names if names is not None else selected_of(title, state.parameters, types, summary, None)
+    if len(found) != 1:
+        said = f"of names {len(found)} outputs" if names is not None else (
+            f"'{title}' has several outputs: {', '.join(found)}")
+        raise S2sadError(Diagnostic("S401", said, help=f'a Jacobian is of one: of="{found[0] if found else "return"}"'))
+    selected_of(title, state.parameters, types, summary, found)
+    if found[0] == RETURN and len(results.types) > 1:
+        raise S2sadError(Diagnostic("S401", f"'{title}' returns {len(results.types)} values",
+                                    help="a Jacobian is of one: write a function that returns it"))
+    kind = [*results.types][0] if found[0] == RETURN else dict(zip(state.parameters, types))[found[0]]
+    real(title, f"'{found[0]}'", kind)
+    return found[0]

@@ -1,0 +1,124 @@
+"""What `Jacobian` and `Hessian` share: a function of f's arguments that returns a matrix, dense or by a plan."""
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.dispatch.arguments import bind, kernel_value
+from s2sad.dispatch.cache import ProgramVersion, derivatives_of
+from s2sad.infer.types import Type
+from s2sad.interface.pickling import Decorated
+from s2sad.interface.pytrees import flatten
+from s2sad.jacobians.compression_plan import Plan, scipy_sparse
+from s2sad.jacobians.linear_maps import LinearMap, dense, size
+from s2sad.jacobians.sparsity import pattern_of
+from s2sad.live_objects.unwrap import apply_functions
+from s2sad.run.tracebacks import public
+
+Mode = Literal["auto", "forward", "reverse"]
+FORMATS = ("csr", "csc", "coo")
+
+
+class MatrixDriver(Decorated):
+    """A function of f's arguments that returns the matrix of a linear map at them; `_what` it gives.
+
+    One plan is kept for each pair of shapes. What a matrix gives for one more direction is compared with the linear map
+    itself at each call (`check`): where data have changed the pattern, it is found anew; one of the user's is refused.
+    """
+    _what = ""
+
+    def __init__(self, f: Any, mode: Mode, sparse: Any, format: str, check: bool):
+        if mode not in ("auto", "forward", "reverse"):
+            raise S2sadError(Diagnostic("S405", f"there is no mode {mode!r}", help='"auto", "forward" or "reverse"'))
+        if format not in FORMATS:
+            raise S2sadError(Diagnostic("S405", f"there is no format {format!r}", help='"csr", "csc" or "coo"'))
+        self.__wrapped__, self._mode, self._sparse, self._format, self._check = f, mode, sparse, format, check
+        self._plans: dict[tuple[Any, ...], Plan] = {}
+        self._given = sparse if isinstance(sparse, Plan) else None
+        name, self.__module__ = getattr(f, "__name__", "f"), getattr(f, "__module__", __name__)
+        self.__name__ = self.__qualname__ = f"{self._what}_of_{name}"
+        self.__doc__ = f"The {self._what} of '{name}'."
+
+    def __repr__(self) -> str:
+        return f"<{self._what} of {getattr(self.__wrapped__, '__name__', 'f')}>"
+
+    @abstractmethod
+    def linear_map(self, args: Sequence[Any], keywords: dict[str, Any]) -> LinearMap:
+        """The linear map at these arguments."""
+
+    @public
+    def plan(self, *args: Any, **keywords: Any) -> Plan:
+        """The plan of the sparse matrix for arguments of these shapes: see `Plan`."""
+        return self._plan(self.linear_map(args, keywords))
+
+    @public
+    def __call__(self, *args: Any, **keywords: Any) -> Any:
+        return self._matrix(self.linear_map(args, keywords))
+
+    def _matrix(self, of: LinearMap) -> Any:
+        if self._sparse is False:
+            by_rows = self._mode == "reverse" or self._mode == "auto" and size(of.taken) > 2 * size(of.given)
+            return dense(of, "reverse" if by_rows else "forward").reshape(of.given + of.taken)
+        key = (of.taken, of.given)
+        plan = self._given or self._plans.get(key) or self._plan(of)
+        plan.check_shapes(of)
+        made = plan.matrix(of)
+        if self._check and not plan.holds(of, made):
+            if self._given is None and self._sparse is True:    # which data have changed
+                plan = self._plan(of)
+                made = plan.matrix(of)
+            if not plan.holds(of, made):
+                raise S2sadError(Diagnostic(
+                    "S403", f"the pattern of the {self._what} of '{self.__wrapped__.__name__}' lacks entries: for one "
+                    "more direction the matrix gives something else than the derivative",
+                    help="give a pattern with all entries that can be other than zero, or sparse=True, which finds it"))
+        self._plans[key] = plan
+        return made if self._format == "csr" else made.asformat(self._format)
+
+    def _plan(self, of: LinearMap) -> Plan:
+        rows, columns = pattern_of(of) if isinstance(self._sparse, (bool, Plan)) else self._users(of)
+        return Plan.of(rows, columns, of.taken, of.given, self._mode)
+
+    def _users(self, of: LinearMap) -> tuple[np.ndarray, np.ndarray]:
+        """The pattern that the user has given, a sparse matrix or a dense one, sorted by rows."""
+        pattern = scipy_sparse().coo_array(self._sparse)
+        if pattern.shape != (size(of.given), size(of.taken)):
+            raise S2sadError(Diagnostic("S405", f"the pattern is of shape {pattern.shape}, the matrix of shape "
+                                        f"{(size(of.given), size(of.taken))}", help="give one of that shape"))
+        found = np.unique(np.stack([pattern.row, pattern.col]), axis=1)
+        return found[0], found[1]
+
+
+def version_and_values(f: Any, args: Sequence[Any], keywords: dict[str, Any]) -> tuple[ProgramVersion, list[Any]]:
+    """The program, and its arguments by position; structures are refused."""
+    given, args, keywords = apply_functions(f, tuple(args), keywords)
+    state = derivatives_of(given).state()
+    values = bind(state.kernel, args, keywords)
+    if flatten(state, values) is not None:
+        raise S2sadError(Diagnostic("S405", f"'{state.kernel.name}' was given a structure", help="matrices are of "
+                                    "functions of arrays and numbers: write one that takes the part that is meant, and "
+                                    "makes the structure"))
+    return state, [kernel_value(n, v, n in state.floats) for n, v in zip(state.parameters, values)]
+
+
+def only_one(state: ProgramVersion, types: Sequence[Type], names: tuple[str, ...] | None) -> str:
+    """The one parameter that is meant: it is named, or is the only float."""
+    kinds = dict(zip(state.parameters, types))
+    found = names if names is not None else tuple(n for n in state.kernel.independents if kinds[n].is_inexact)
+    if len(found) != 1:
+        said = f"wrt names {len(found)} parameters" if names is not None else (
+            f"'{state.kernel.name}' has several arguments to differentiate with respect to: {', '.join(found)}"
+            if found else f"'{state.kernel.name}' was given no float to differentiate with respect to")
+        raise S2sadError(Diagnostic("S401", said, help='a matrix is with respect to one: wrt="x"'))
+    return found[0]
+
+
+def real(name: str, of: str, kind: Type) -> None:
+    """Raises unless an argument or an output is real."""
+    if kind.is_complex:
+        raise S2sadError(Diagnostic("S401", f"{of} of '{name}' is complex, and a complex number has two directions",
+                                    help="write a function of real and imaginary parts"))

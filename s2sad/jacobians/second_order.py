@@ -1,0 +1,166 @@
+"""Second derivatives: the adjoint of the tangent, whose text is read as any function is.
+
+    def energy_tangent(u, u_dot):           its one result is the gradient times u_dot,
+        ...                                 so that its gradient with respect to u
+        return (s_dot,)                     is the Hessian times u_dot
+"""
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.dispatch.arguments import misfit
+from s2sad.dispatch.cache import ProgramVersion, derivatives_of
+from s2sad.dispatch.deferred import compiler
+from s2sad.interface.pytrees import Carrier
+from s2sad.interface.selection import RETURN, Wrt, names_of, selected_wrt
+from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
+from s2sad.jacobians.matrix_drivers import MatrixDriver, only_one, real, version_and_values
+from s2sad.program import Request
+from s2sad.run.compiled import chosen
+from s2sad.run.module_loader import load
+from s2sad.run.tracebacks import public
+
+
+@public
+def hvp(f: Callable[..., Any], args: Sequence[Any], directions: Mapping[str, Any], wrt: Wrt = None) -> Any:
+    """The Hessian of the one float that f returns times a direction: how its gradient changes along it.
+
+    Args: args, all of f's positional arguments; directions, by argument name, a float for a float, an array of the same
+    shape and dtype for an array; wrt, the arguments whose gradients these are (default: those of the directions). The
+    result is an array or float for one of them, a dict by name for several. Arguments are never changed.
+    Raises S2sadError: S401 (f does not return one float; a name that is none of a float), S403 (a direction that does
+    not fit), S405 (structures); and what f raises. Adjoint of the tangent: Griewank and Walther, Evaluating
+    Derivatives, SIAM 2008, chapter 5.
+
+    >>> import numpy as np
+    >>> def cubes(u):
+    ...     total = 0.0
+    ...     for i in range(u.size):
+    ...         total += u[i] ** 3
+    ...     return total
+    >>> hvp(cubes, (np.array([1.0, 2.0]),), {"u": np.array([1.0, 1.0])})
+    array([ 6., 12.])
+    """
+    state, values = version_and_values(f, args, {})
+    if not isinstance(directions, Mapping) or not directions:
+        raise misfit("directions holds none", 'give a dict by argument name: {"x": v}')
+    asked = names_of(wrt, f) or tuple(directions)
+    call = _second(state, f, values, tuple(directions), asked)
+    found = call(values, directions)
+    return found[asked[0]] if len(asked) == 1 else {name: found[name] for name in asked}
+
+
+class _SecondOrderCall:
+    """A prepared product with the Hessian: directions of some arguments, gradients with respect to some."""
+
+    def __init__(self, state: ProgramVersion, f: Any, values: Sequence[Any], along: tuple[str, ...],
+                 wrt: tuple[str, ...]):
+        self.first = ForwardCall(state, f, tuple(values), along, (RETURN,))
+        name, results = state.kernel.name, self.first.results
+        if len(results.types) != 1 or results.types[0].is_array or not results.types[0].is_float:
+            described = ", ".join(map(str, results.types)) or "nothing"
+            raise S2sadError(Diagnostic(
+                "S401", f"second derivatives are of a function that returns one float; '{name}' returns {described}",
+                help="write one that returns the float that is meant"))
+        kinds = dict(zip(state.parameters, self.first.types))
+        for one in selected_wrt(name, state.parameters, self.first.types, (*along, *wrt)):
+            real(name, f"'{one}'", kinds[one])
+        engine = chosen(selection_of(f).engine)
+        made = compiler().derived(state.program, Request(
+            "tangent", self.first.types, self.first.wrt, (RETURN,), engine=engine), {})
+        tangent = getattr(load(_with_one_result(made.text, made.entry), made.entry), made.entry)
+        self._parameters, self._wrt = made.parameters, wrt
+        self._state = derivatives_of(tangent).state()
+        carrier = Carrier.with_overrides(f, None, None, None, selection_of(f).recording)
+        given = self._arguments(values, {n: v for n, v in zip(state.parameters, values) if n in along})
+        self._call = ReverseCall(self._state, carrier, given, (RETURN,), wrt)
+
+    def _arguments(self, values: Sequence[Any], directions: Mapping[str, Any]) -> tuple[Any, ...]:
+        by_name, shadows = self.first.bind_values(values, directions)
+        hidden = self.first.state.private_outside_arrays(self.first.types)
+        return tuple([shadows[p.primal] if p.role == "shadow" else hidden.get(p.name, by_name.get(p.name))
+                      for p in self._parameters])
+
+    def __call__(self, values: Sequence[Any], directions: Mapping[str, Any]) -> dict[str, Any]:
+        return self._call.vjp(self._arguments(values, directions), {RETURN: 1.0})
+
+
+def _with_one_result(text: str, entry: str) -> str:
+    """The text of a tangent, which returns a tuple of one, returning that one."""
+    module = ast.parse(text)
+    function = next(s for s in module.body if isinstance(s, ast.FunctionDef) and s.name == entry)
+    for node in ast.walk(function):
+        if isinstance(node, ast.Return) and isinstance(node.value, ast.Tuple):
+            node.value, = node.value.elts
+    return ast.unparse(module)
+
+
+def _second(state: ProgramVersion, f: Any, values: Sequence[Any], along: tuple[str, ...], wrt: tuple[str, ...]
+            ) -> _SecondOrderCall:
+    key = ("second order", along, wrt, state.types(values), selection_of(f))
+    found = state.entries.get(key)
+    if found is None:
+        found = state.entries[key] = _SecondOrderCall(state, f, values, along, wrt)
+    return found
+
+
+class HessianMap:
+    """The Hessian of f with respect to one argument, where f is given these values."""
+
+    def __init__(self, call: _SecondOrderCall, values: Sequence[Any], wrt: str, place: int):
+        self._call, self._values, self._wrt = call, values, wrt
+        self.taken = self.given = np.shape(values[place])
+        self.dtype = np.asarray(values[place]).dtype
+
+    def product(self, direction: np.ndarray) -> np.ndarray:
+        along = direction.astype(self.dtype).reshape(self.taken) if self.taken else float(direction[0])
+        return np.array(self._call(self._values, {self._wrt: along})[self._wrt], self.dtype).reshape(-1)
+
+    transposed_product = product
+
+
+@public
+def hessian(f: Callable[..., Any], wrt: Wrt = None, *, sparse: Any = False, format: str = "csr", check: bool = True
+            ) -> Hessian:
+    """A function of f's arguments that returns the Hessian of the one float that f returns.
+
+    Args: wrt, a name or position of a parameter (default: the only float); sparse, format and check as for `jacobian`.
+    A dense Hessian has the shape of the argument twice, a sparse one two axes. Arguments are never changed.
+    Raises S2sadError as `hvp` and `jacobian` do. Literature as for these.
+
+    >>> import numpy as np
+    >>> def products(u):
+    ...     total = 0.0
+    ...     for i in range(1, u.size):
+    ...         total += u[i - 1] * u[i] ** 2
+    ...     return total
+    >>> hessian(products)(np.array([1.0, 2.0, 3.0]))
+    array([[0., 4., 0.],
+           [4., 2., 6.],
+           [0., 6., 4.]])
+    """
+    return Hessian(f, wrt, sparse, format, check)
+
+
+class Hessian(MatrixDriver):
+    """The Hessian of f's float, as a function of f's arguments; see `hessian`."""
+    _what = "Hessian"
+
+    def __init__(self, f: Any, wrt: Wrt = None, sparse: Any = False, format: str = "csr", check: bool = True):
+        super().__init__(f, "forward", sparse, format, check)
+        self._wrt = names_of(wrt, f)
+
+    def decorator_arguments(self) -> tuple[Any, ...]:
+        return self.__wrapped__, self._wrt, self._sparse, self._format, self._check
+
+    def linear_map(self, args: Sequence[Any], keywords: dict[str, Any]) -> HessianMap:
+        state, values = version_and_values(self.__wrapped__, args, keywords)
+        wrt = only_one(state, state.types(values), self._wrt if self._wrt is not None else selection_of(
+            self.__wrapped__).wrt)
+        call = _second(state, self.__wrapped__, values, (wrt,), (wrt,))
+        return HessianMap(call, values, wrt, state.parameters.index(wrt))

@@ -1,0 +1,98 @@
+"""Second derivatives against differences of gradients, and against their own transposes."""
+from __future__ import annotations
+
+import copy
+import inspect
+import warnings
+
+import numpy as np
+import pytest
+
+import s2sad
+from tests import corpus
+from tests.harness.engines import running
+from tests.jacobians import kernels
+
+X = np.array([0.4, 1.7, 1.3, 0.2, 2.1, 0.9])
+P = np.array([0.7, 1.2])
+CASES = [(kernels.energy, (X, 0.5), "x"), (kernels.after_steps, (X, P, 4), "u"), (kernels.after_steps, (X, P, 4), "p"),
+         (kernels.fields, (X,), "u"), (kernels.of_numbers, (0.7, 1.3), "a"), (kernels.to_a_number, (X,), "x")]
+
+
+def along(f, args, wrt, direction):
+    """How the gradient changes along a direction, by extrapolated central differences."""
+    gradient, place = s2sad.gradient(f, wrt=wrt), list(inspect.signature(f).parameters).index(wrt)
+
+    def at(h):
+        given = [*copy.deepcopy(args)]
+        given[place] = given[place] + h * direction
+        return gradient(*given)
+
+    def central(h):
+        return (at(h) - at(-h)) / (2.0 * h)
+    return (4.0 * central(5e-5) - central(1e-4)) / 3.0
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
+@pytest.mark.parametrize("case", CASES, ids=[f"{f.__name__}-{wrt}" for f, _, wrt in CASES])
+def test_hessians(case, engine):
+    f, args, wrt = case
+    before = copy.deepcopy(args)
+    with running(engine) as run_under:
+        g = s2sad.differentiate(f, engine=run_under)
+        found = s2sad.hessian(g, wrt)(*args)
+        value = args[list(inspect.signature(f).parameters).index(wrt)]
+        assert found.shape == 2 * np.shape(value)
+        np.testing.assert_allclose(found, found.T, rtol=1e-13, atol=1e-14)
+        direction = np.linspace(-1.0, 1.0, np.size(value)).reshape(np.shape(value)) if np.ndim(value) else 1.0
+        wanted = along(g, args, wrt, direction)
+        np.testing.assert_allclose(found @ direction if np.ndim(value) else found, wanted, rtol=1e-7, atol=1e-8)
+        np.testing.assert_allclose(s2sad.hvp(g, args, {wrt: direction}), wanted, rtol=1e-7, atol=1e-8)
+        sparse = s2sad.hessian(g, wrt, sparse=True)(*args)
+        np.testing.assert_allclose(sparse.toarray(), found.reshape(sparse.shape), rtol=1e-13, atol=1e-14)
+    for ours, theirs in zip(args, before):
+        np.testing.assert_array_equal(ours, theirs)
+
+
+def test_directions_of_several_arguments():
+    f = s2sad.differentiate(kernels.after_steps, engine="numpy")
+    found = s2sad.hvp(f, (X, P, 4), {"u": np.ones(6), "p": np.ones(2)}, wrt=("u", "p"))
+    mixed = s2sad.hvp(f, (X, P, 4), {"p": np.ones(2)}, wrt="u")
+    assert {*found} == {"u", "p"}
+    np.testing.assert_allclose(found["u"], s2sad.hessian(f, "u")(X, P, 4) @ np.ones(6) + mixed, rtol=1e-13)
+
+
+def test_a_chain_has_a_band_for_a_hessian():
+    plan = s2sad.hessian(s2sad.differentiate(kernels.energy, engine="numpy"), "x", sparse=True).plan(
+        np.linspace(0.0, 3.0, 40), 0.5)
+    assert len(plan.indices) == 40 + 2 * 39
+    assert plan.colors == 3
+
+
+def numbers():
+    """Some kernels of the corpus that returns a float, with an argument of float64."""
+    for name, case in list(corpus.cases())[::60]:
+        names = list(inspect.signature(case.kernel).parameters)
+        wrt = next((n for n, a in zip(names, case.arguments) if (case.wrt is None or n in case.wrt) and (
+            isinstance(a, float) or isinstance(a, np.ndarray) and a.dtype == float)), None)
+        if not case.refused and wrt is not None:
+            yield pytest.param(case, wrt, id=name)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize(("case", "wrt"), numbers())
+def test_of_the_corpus(case, wrt, engine):
+    """Right, or refused: second derivatives of everything that has first ones."""
+    args = copy.deepcopy(case.arguments)
+    value = args[list(inspect.signature(case.kernel).parameters).index(wrt)]
+    direction = np.random.default_rng(3).standard_normal(np.shape(value)) if np.ndim(value) else 1.0
+    with running(engine) as run_under, warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        f = s2sad.differentiate(case.kernel, engine=run_under)
+        try:
+            found = s2sad.hvp(f, args, {wrt: direction})
+        except s2sad.S2sadError as refused:
+            assert refused.diagnostics[0].code != "S901"
+            return
+        wanted = along(f, case.arguments, wrt, direction)
+    np.testing.assert_allclose(found, wanted, rtol=2e-5, atol=2e-6 * max(1.0, np.abs(wanted).max(initial=0.0)))
