@@ -162,7 +162,7 @@ def test_what_other_packages_call_it():
     assert str(missing.value) == "module 's2sad' has no attribute 'grad': write s2sad.gradient(f, wrt=\"x\")"
     with pytest.raises(AttributeError, match="no attribute 'blub'$"):
         getattr(s2sad, "blub")  # noqa: B009
-    for name in ("value_and_grad", "jacobian", "hessian", "hvp", "jit", "vmap", "custom_vjp", "stop_gradient"):
+    for name in ("value_and_grad", "jacrev", "hess", "vhp", "jit", "vmap", "custom_vjp", "stop_gradient"):
         with pytest.raises(AttributeError, match=f"no attribute '{name}': .{{20}}"):
             getattr(s2sad, name)
 
