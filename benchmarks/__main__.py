@@ -10,7 +10,7 @@ import platform
 import sys
 from collections.abc import Callable
 
-from benchmarks import arrays, deriving, first_gradient, memory, overhead, ratios, returning, snapshots
+from benchmarks import arrays, deriving, first_gradient, jacobians, memory, overhead, ratios, returning, snapshots
 from benchmarks.peers import gradbench
 from benchmarks.peers.__main__ import main as peers
 from benchmarks.peers.machine import processor
@@ -25,6 +25,7 @@ PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
     "arrays": (arrays.tables, "the same for kernels of whole arrays, under each engine"),
     "overhead": (overhead.tables, "what a call costs over the bare compiled one"),
     "returning": (returning.tables, "functions that return arrays, called four times a step"),
+    "jacobians": (jacobians.tables, "sparse Jacobians in primal calls, products with Hessians in gradients"),
     "first": (first_gradient.tables, "time to the first gradient, cold and warm cache"),
     "deriving": (deriving.tables, "time to write an adjoint against the length of the kernel, with exponents"),
     "memory": (lambda quick, kernels: [*memory.tables(quick, kernels), *snapshots.tables(quick, kernels)],

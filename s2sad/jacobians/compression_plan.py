@@ -77,8 +77,8 @@ class Plan:
     def _directions(self) -> list[np.ndarray]:
         return [np.flatnonzero(self.color_of == color) for color in range(self.colors)]
 
-    def matrix(self, of: LinearMap) -> Any:
-        """The sparse matrix (CSR) of a linear map."""
+    def entries(self, of: LinearMap) -> np.ndarray:
+        """The entries of a linear map's matrix, by rows."""
         multiply = of.product if self.mode == "forward" else of.transposed_product
         direction = np.zeros(len(self.color_of))
         products = np.empty((self.colors, self.shape[0] if self.mode == "forward" else self.shape[1]), of.dtype)
@@ -86,18 +86,22 @@ class Plan:
             direction[members] = 1.0
             line[...] = multiply(direction)
             direction[members] = 0.0
-        entries = products.reshape(-1)[self._places]
+        return products.reshape(-1)[self._places]
+
+    def matrix(self, entries: np.ndarray) -> Any:
+        """The sparse matrix (CSR) with these entries."""
         return scipy_sparse().csr_array((entries, self.indices, self.indptr), shape=self.shape)
 
     @cached_property
     def _probe(self) -> np.ndarray:
         return np.random.default_rng(len(self.indices)).uniform(1.0, 2.0, self.shape[1])
 
-    def holds(self, of: LinearMap, matrix: Any) -> bool:
+    def holds(self, of: LinearMap, entries: np.ndarray) -> bool:
         """Whether a matrix gives what the linear map does for a direction that has not been asked for: a pattern that
         is too small does not."""
-        theirs, ours = of.product(self._probe), matrix @ self._probe
-        scale = abs(matrix) @ self._probe + np.abs(theirs)
+        theirs, terms = of.product(self._probe), entries * self._probe[self.indices]
+        ours = np.bincount(self.rows, terms, self.shape[0])
+        scale = np.bincount(self.rows, np.abs(terms), self.shape[0]) + np.abs(theirs)
         with np.errstate(invalid="ignore"):
             return bool(np.all(~(np.abs(theirs - ours) > _PRECISION[of.dtype.name] * scale)))
 

@@ -48,6 +48,7 @@ class JacobianMap:
         self._shadows = {name: np.zeros_like(self._values[name]) if isinstance(self._values[name], np.ndarray) else 0.0
                          for name in forward.fv.shadows}
         self._arrays = [s for s in self._shadows.values() if isinstance(s, np.ndarray)]
+        self._arguments: list[Any] | None = None
         self.taken = np.shape(self._values[wrt])
 
     @cached_property
@@ -56,11 +57,11 @@ class JacobianMap:
         output = self._values.get(self.of) if self.of != RETURN else self._run(np.zeros(size(self.taken)))
         return np.asarray(output)
 
-    @property
+    @cached_property
     def given(self) -> tuple[int, ...]:
         return self._output.shape
 
-    @property
+    @cached_property
     def dtype(self) -> np.dtype:
         return np.result_type(self._output, np.asarray(self._values[self.wrt]).dtype)
 
@@ -75,10 +76,16 @@ class JacobianMap:
         shadow = self._shadows[self.wrt]
         if isinstance(shadow, np.ndarray):
             shadow.reshape(-1)[...] = direction
+            if self._arguments is not None:     # the same arrays as before: they were checked then
+                return self._outputs(self._call.fv.run(self._arguments))
+            if not self._call.state.private_outside_arrays(self._call.types):
+                self._arguments = self._call.fv.assemble(self._values, self._shadows, (), {})
         else:
             self._shadows[self.wrt] = float(direction[0])
-        returned = self._call.call(self._call.fv, self._values, self._shadows)
-        return self._call.outputs(self._shadows, returned)[self.of]
+        return self._outputs(self._call.call(self._call.fv, self._values, self._shadows))
+
+    def _outputs(self, returned: Sequence[Any]) -> Any:
+        return self._shadows[self.of] if self.of != RETURN else self._call.outputs(self._shadows, returned)[self.of]
 
     @cached_property
     def _adjoint(self) -> ReverseCall:

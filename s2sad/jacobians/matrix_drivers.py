@@ -66,17 +66,18 @@ class MatrixDriver(Decorated):
         key = (of.taken, of.given)
         plan = self._given or self._plans.get(key) or self._plan(of)
         plan.check_shapes(of)
-        made = plan.matrix(of)
-        if self._check and not plan.holds(of, made):
+        entries = plan.entries(of)
+        if self._check and not plan.holds(of, entries):
             if self._given is None and self._sparse is True:    # which data have changed
                 plan = self._plan(of)
-                made = plan.matrix(of)
-            if not plan.holds(of, made):
+                entries = plan.entries(of)
+            if not plan.holds(of, entries):
                 raise S2sadError(Diagnostic(
                     "S403", f"the pattern of the {self._what} of '{self.__wrapped__.__name__}' lacks entries: for one "
                     "more direction the matrix gives something else than the derivative",
                     help="give a pattern with all entries that can be other than zero, or sparse=True, which finds it"))
         self._plans[key] = plan
+        made = plan.matrix(entries)
         return made if self._format == "csr" else made.asformat(self._format)
 
     def _plan(self, of: LinearMap) -> Plan:
