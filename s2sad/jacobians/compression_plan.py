@@ -101,9 +101,11 @@ class Plan:
         is too small does not."""
         theirs, terms = of.product(self._probe), entries * self._probe[self.indices]
         ours = np.bincount(self.rows, terms, self.shape[0])
-        scale = np.bincount(self.rows, np.abs(terms), self.shape[0]) + np.abs(theirs)
-        with np.errstate(invalid="ignore"):
-            return bool(np.all(~(np.abs(theirs - ours) > _PRECISION[of.dtype.name] * scale)))
+        scale = np.bincount(self.rows, np.abs(terms), self.shape[0])
+        scale += np.where(np.isfinite(theirs), np.abs(theirs), 0.0)
+        with np.errstate(invalid="ignore"):     # what is not finite in the matrix is seen there
+            close = np.abs(theirs - ours) <= _PRECISION[of.dtype.name] * scale
+        return bool(np.all(close | ~np.isfinite(ours)))
 
     def check_shapes(self, of: LinearMap) -> None:
         """Raises unless it is for arguments of these shapes."""

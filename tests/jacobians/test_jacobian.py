@@ -122,6 +122,19 @@ def test_a_pattern_of_the_users():
     s2sad.jacobian(f, sparse=band, check=False)(X, 0.3)
 
 
+def roots(x):
+    return np.sqrt(x) + 2.0 * x[::-1]
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_an_entry_that_lacks_may_be_infinite():
+    f = s2sad.differentiate(roots, engine="numpy")
+    x = np.array([0.0, 1.0])
+    with pytest.raises(s2sad.S2sadError, match="S403.*lacks entries"):
+        s2sad.jacobian(f, sparse=np.array([[0, 1], [1, 1]]))(x)
+    np.testing.assert_array_equal(s2sad.jacobian(f, sparse=True)(x).toarray(), [[np.inf, 2.0], [2.0, 0.5]])
+
+
 def test_precision_and_emptiness():
     f = s2sad.differentiate(kernels.in_place, engine="numpy", wrt="u")
     single = s2sad.jacobian(f, sparse=True)(X.astype("float32"), 0.3)
