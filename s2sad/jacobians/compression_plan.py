@@ -101,8 +101,8 @@ class Plan:
         is too small does not."""
         theirs, terms = of.product(self._probe), entries * self._probe[self.indices]
         ours = np.bincount(self.rows, terms, self.shape[0])
-        scale = np.bincount(self.rows, np.abs(terms), self.shape[0])
-        scale += np.where(np.isfinite(theirs), np.abs(theirs), 0.0)
+        size = np.where(np.isfinite(theirs), np.abs(theirs), 0.0)
+        scale = np.bincount(self.rows, np.abs(terms), self.shape[0]) + size
         with np.errstate(invalid="ignore"):     # what is not finite in the matrix is seen there
             close = np.abs(theirs - ours) <= _PRECISION[of.dtype.name] * scale
         return bool(np.all(close | ~np.isfinite(ours)))
