@@ -9,7 +9,7 @@ from s2sad.rules.rule import constant
 
 # stair functions: flat between their jumps
 constant("same", "numpy.floor", "numpy.ceil", "numpy.rint", "numpy.trunc", "numpy.fix", "numpy.round",
-         "numpy.around", "numpy.round_", "numpy.sign", "a // b", "numpy.floor_divide", "runtime.strong_zero")
+         "numpy.around", "numpy.round_", "numpy.sign", "a // b", "numpy.floor_divide")
 constant("int", "math.floor", "math.ceil", "math.trunc", "builtins.round", "builtins.int", "numpy.int_",
          "numpy.int8", "numpy.int16", "numpy.int32", "numpy.int64", "numpy.intp", "numpy.uint8", "numpy.uint16",
          "numpy.uint32", "numpy.uint64")

@@ -77,6 +77,8 @@ elementwise("numpy.clip(x, low, high)", x="numpy.where((x < low) | (x > high), 0
 
 elementwise("numpy.where(c, a, b)", c="0.0", a="numpy.where(c, 1.0, 0.0)", b="numpy.where(c, 0.0, 1.0)",
             result="same", plane="holomorphic")
+elementwise("runtime.strong_zero(factor, product, steep)", factor="0.0", steep="0.0", result="same",
+            product="numpy.where((factor == 0.0) & (steep != 0), 0.0, 1.0)", plane="holomorphic")
 
 # -- exponentials and logarithms ------------------------------------------------------------------------------------
 # exp is marked singular for 1 / (1 + exp(-x)): where exp overflows the seed is 0 and the product must be, too

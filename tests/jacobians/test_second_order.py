@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 import s2sad
+from s2sad.run.module_loader import load
 from tests import corpus
+from tests.corpus.recording import rounded_values
 from tests.harness.engines import running
 from tests.jacobians import kernels
 
@@ -96,3 +98,13 @@ def test_of_the_corpus(case, wrt, engine):
             return
         wanted = along(f, case.arguments, wrt, direction)
     np.testing.assert_allclose(found, wanted, rtol=2e-5, atol=2e-6 * max(1.0, np.abs(wanted).max(initial=0.0)))
+
+
+@pytest.mark.parametrize("kernel", [rounded_values.product, rounded_values.by_arrays, rounded_values.numbers])
+def test_tangents_of_a_written_adjoint(kernel):
+    """The text of an adjoint, read as a kernel, has the Hessian for its tangent."""
+    text = s2sad.differentiate(kernel, wrt="x", engine="numpy").adjoint_source(X, 3)
+    adjoint = s2sad.differentiate(getattr(load(text, "adjoint"), f"{kernel.__name__}_adjoint"), engine="numpy")
+    direction = np.linspace(-1.0, 1.0, X.size)
+    found = s2sad.jvp(adjoint, (X, np.zeros_like(X), 3, 1.0), {"x": direction}, of=("x_bar",))["x_bar"]
+    np.testing.assert_allclose(found, s2sad.hvp(kernel, (X, 3), {"x": direction}), rtol=1e-10, atol=1e-13)
