@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         DuplicatedNoNeed as DuplicatedNoNeed, Forward as Forward, ForwardWithPrimal as ForwardWithPrimal,
         Reverse as Reverse, ReverseWithPrimal as ReverseWithPrimal,
     )
+    from s2sad.bridges.jax_functions import jax as jax
     from s2sad.interface.differentiate import (
         Differentiated as Differentiated, autodiff as autodiff, differentiate as differentiate,
     )
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 _HOMES = {
+    "bridges.jax_functions": ("jax",),
     "interface.activities": ("Active", "BatchDuplicated", "Const", "Duplicated", "DuplicatedNoNeed", "Forward",
                              "ForwardWithPrimal", "Reverse", "ReverseWithPrimal"),
     "interface.differentiate": ("Differentiated", "autodiff", "differentiate"),
@@ -60,8 +62,8 @@ __all__ = [
     "Active", "BatchDuplicated", "Bench", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed",
     "Explanation", "Forward", "ForwardWithPrimal", "Hessian", "Jacobian", "Memory", "Plan", "Reverse",
     "ReverseWithPrimal", "S2sadError", "S2sadWarning", "Snapshots", "Tape", "autodiff", "bench", "check", "clear",
-    "differentiate", "explain", "gradient", "hessian", "hvp", "jacobian", "jvp", "make_zero", "nondifferentiable",
-    "rule", "timesteps", "value_and_gradient", "vjp",
+    "differentiate", "explain", "gradient", "hessian", "hvp", "jacobian", "jax", "jvp", "make_zero",
+    "nondifferentiable", "rule", "timesteps", "value_and_gradient", "vjp",
 ]
 
 

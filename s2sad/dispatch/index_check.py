@@ -11,18 +11,19 @@ from typing import Any
 from s2sad.program import Generated, IndexLimit
 
 Limits = tuple[tuple[IndexLimit, ...], ...]
+Spelling = Callable[[str, "int | None"], str]
 
 
 class IndexCheck:
     """`check(arguments)` of a generated function; `run` is given the values of the kernel's parameters by name, and
-    runs it with bounds checks."""
+    runs it with bounds checks. Once that has been `done`, nothing is looked at any more."""
 
     def __init__(self, generated: Generated, run: Callable[[dict[str, Any]], None]):
         taken = generated.facts.get("taken", generated.parameters)
         self._places = {p.name: k for k, p in enumerate(taken) if p.role == "primal"}
-        limits = generated.facts.get("index_limits")
-        self.inside = None if limits is None else condition(limits, self._places)
-        self._run, self._done = run, False
+        self.limits: Limits | None = generated.facts.get("index_limits")
+        self.inside = None if self.limits is None else condition(self.limits, self._places)
+        self._run, self.done = run, False
 
     @property
     def is_needed(self) -> bool:
@@ -30,10 +31,10 @@ class IndexCheck:
         return self.inside is not _always
 
     def __call__(self, arguments: Sequence[Any]) -> None:
-        if self._done or self.inside is not None and self.inside(arguments):
+        if self.done or self.inside is not None and self.inside(arguments):
             return
         self._run({name: arguments[k] for name, k in self._places.items()})
-        self._done = True
+        self.done = True
 
 
 def _always(arguments: Sequence[Any]) -> bool:
@@ -51,20 +52,26 @@ def condition(limits: Limits, places: dict[str, int]) -> Callable[[Sequence[Any]
     """
     if not limits:
         return _always
-    tests = [" or ".join(f"{_text(form, places)} < 0" for form in system) or "False" for system in limits]
     arrays = sorted({places[name] for system in limits for form in system for name, axis, _ in form.terms
                      if axis is not None})
-    lines = ["def inside(a):", *(f"    s{k} = a[{k}].shape" for k in arrays),
-             "    return " + " and ".join(f"({test})" for test in tests)]
+    test = condition_text(limits, lambda name, axis: (
+        f"a[{places[name]}]" if axis is None else f"s{places[name]}[{axis}]"))
+    lines = ["def inside(a):", *(f"    s{k} = a[{k}].shape" for k in arrays), f"    return {test}"]
     space: dict[str, Any] = {}
     exec("\n".join(lines), space)  # noqa: S102
     return space["inside"]
 
 
-def _text(form: IndexLimit, places: dict[str, int]) -> str:
+def condition_text(limits: Limits, value: Spelling) -> str:
+    """The condition as an expression, in which `value(name, axis)` stands for a size, or for an integer."""
+    tests = [" or ".join(f"{_text(form, value)} < 0" for form in system) or "False" for system in limits]
+    return " and ".join(f"({test})" for test in tests) or "True"
+
+
+def _text(form: IndexLimit, value: Spelling) -> str:
     """The form as an expression."""
     text = ""
     for name, axis, factor in form.terms:
-        value = f"a[{places[name]}]" if axis is None else f"s{places[name]}[{axis}]"
-        text += ("-" if factor < 0 else "+") + (value if abs(factor) == 1 else f"{abs(factor)} * {value}")
+        size = value(name, axis)
+        text += ("-" if factor < 0 else "+") + (size if abs(factor) == 1 else f"{abs(factor)} * {size}")
     return f"{text}{form.constant:+d}" if form.constant or not text else text

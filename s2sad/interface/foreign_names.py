@@ -18,6 +18,7 @@ _FUNCTIONS = {
     **dict.fromkeys(("check_grads", "check_grad", "gradcheck", "approx_fprime"), "write s2sad.check(f, *args)"),
     **dict.fromkeys(("linearize", "pushforward", "forward"), "write s2sad.jvp(f, args, tangents)"),
     **dict.fromkeys(("pullback", "backward", "reverse"), "write s2sad.vjp(f, args, seeds)"),
+    **dict.fromkeys(("pure_callback", "jax_callable", "to_jax", "as_jax"), "write s2sad.jax(f)"),
     **dict.fromkeys(("numpy", "np"), "import numpy: kernels are written with NumPy itself"),
 }
 _KEYWORDS = {

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.extras import needed
 from s2sad.jacobians.coloring import colored
 from s2sad.jacobians.linear_maps import LinearMap, size
 from s2sad.report.picture import figure_class
@@ -18,12 +19,7 @@ _PRECISION = {"float32": 1e-3, "float64": 1e-7}
 
 def scipy_sparse() -> Any:
     """SciPy's module of sparse matrices; raises S2sadError (S405) where it is not installed."""
-    try:
-        from scipy import sparse
-    except ImportError:
-        raise S2sadError(Diagnostic("S405", "a sparse matrix needs SciPy, which is not installed",
-                                    help='pip install "s2sad[jit]", or ask for the dense one')) from None
-    return sparse
+    return needed("scipy.sparse", "a sparse matrix", "ask for the dense one")
 
 
 @dataclass(frozen=True, eq=False)

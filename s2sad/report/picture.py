@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.extras import needed
 
 _LEAST = np.finfo(float).eps / 4    # an error of zero is drawn here
 _MARKS = {"adjoint, bare": "o", "vjp": "s", "gradient": "s", "tangent": "D", "complex step": "^"}
@@ -16,12 +17,7 @@ _MARKS = {"adjoint, bare": "o", "vjp": "s", "gradient": "s", "tangent": "D", "co
 
 def figure_class() -> Any:
     """Matplotlib's `Figure`; raises S2sadError (S405) where it is not installed."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise S2sadError(Diagnostic("S405", "a picture needs matplotlib, which is not installed",
-                                    help='pip install "s2sad[plot]", or leave the picture out')) from None
-    return Figure
+    return needed("matplotlib.figure", "a picture", "leave the picture out").Figure
 
 
 def drawn(title: str, runs: Sequence[Any], primal: float, floor: float, kind: str = "png") -> bytes:

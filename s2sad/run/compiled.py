@@ -23,6 +23,7 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError, warn_once
+from s2sad.extras import absent
 from s2sad.run.progress import Working
 from s2sad.run.internal_functions import options, written_out
 from s2sad.run.interrupts import interruptible
@@ -48,8 +49,7 @@ def chosen(engine: str) -> str:
     if engine == "auto":
         return "numba" if available() else "numpy"
     if engine == "numba" and not available():
-        raise S2sadError(Diagnostic("S405", 'engine="numba" needs Numba, which is not installed',
-                                    help='pip install "s2sad[jit]", or use engine="auto"'))
+        raise absent("numba", 'engine="numba"', 'use engine="auto"')
     if engine not in ("numpy", "numba"):
         raise S2sadError(Diagnostic("S405", f"there is no engine {engine!r}", help='use "auto", "numpy" or "numba"'))
     return engine

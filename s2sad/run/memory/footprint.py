@@ -46,15 +46,15 @@ def footprint_of(generated: Generated, values: Mapping[str, Any], written: Colle
     """The memory of a call of a generated function for the values of its kernel's parameters, by name, of both where
     the two sweeps are functions; nothing is run.
     What lies in arrays of integers counts unless they are `written`."""
-    functions, constants = _parsed(generated.text)
+    functions, constants = parsed(generated.text)
     facts = generated.facts
     arrays = tuple(facts.get("recorded", ()))
     stacks = [np.empty((0,) * rank, dtype) for _, dtype, rank in facts.get("stacks", ())]
     run = MemoryInterpreter(functions, constants, {(r.function, r.name): r.kind for r in arrays},
                             {loop.function: loop.steps for loop in facts.get("loops", ())})
-    given = [*(_given(p, values, written) for p in generated.parameters), *(_abstract(s, True) for s in stacks)]
+    given = [*(given_argument(p, values, written) for p in generated.parameters), *(_abstract(s, True) for s in stacks)]
     if "forward" in facts:
-        returned = run.call(facts["forward"], [_given(p, values, written) for p in facts["taken"]])
+        returned = run.call(facts["forward"], [given_argument(p, values, written) for p in facts["taken"]])
         given.insert(0, _as_tape(returned))     # while `returned` is held
     run.call(facts["taped"] if stacks else generated.entry, given)
     meter = run.meter
@@ -77,7 +77,7 @@ def _as_tape(returned: Any) -> Any:
     return returned[1]
 
 
-def _given(parameter: Parameter, values: Mapping[str, Any], written: Collection[str]) -> Any:
+def given_argument(parameter: Parameter, values: Mapping[str, Any], written: Collection[str]) -> Any:
     """What is known of an argument: a shadow has the shape of its array."""
     if parameter.role == "seed":
         return UNKNOWN
@@ -97,7 +97,7 @@ def _abstract(value: Any, changed: bool) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _parsed(text: str) -> tuple[dict[str, ast.FunctionDef], dict[str, Any]]:
+def parsed(text: str) -> tuple[dict[str, ast.FunctionDef], dict[str, Any]]:
     """The functions and the constants of a text."""
     body = ast.parse(text).body
     constants: dict[str, Any] = {}

@@ -1,0 +1,104 @@
+"""A kernel with its derivatives as functions of values: what is written comes back, and nothing that is given changes.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from s2sad.dispatch.cache import ProgramVersion
+from s2sad.dispatch.executable import Executable
+from s2sad.infer.types import Type
+from s2sad.interface.selection import RETURN, result_seed, selected_of, selected_wrt
+from s2sad.interface.value_calls import ForwardCall, PreparedCall, ReverseCall, selection_of
+from s2sad.program import Request
+
+
+@dataclass(frozen=True)
+class Output:
+    """An array or a number that comes back: a written argument by its name, or the result at a `place`."""
+    name: str
+    type: Type
+    place: int = -1
+
+
+class BridgedKernel:
+    """A kernel for arguments of these types. `outputs` are those of `of`, in order; `wrt` may have a derivative."""
+
+    def __init__(self, state: ProgramVersion, f: Any, values: Sequence[Any], wrt: tuple[str, ...] | None,
+                 of: tuple[str, ...] | None):
+        self.state, self.f = state, f
+        self.prepared = PreparedCall(state, f, tuple(values))
+        self.name, self.names, self.types = state.kernel.name, state.parameters, self.prepared.types
+        summary, carried = self.prepared.summary, selection_of(f)
+        wrt = wrt if wrt is not None else carried.wrt
+        inexact = tuple(n for n, t in zip(self.names, self.types) if t.is_inexact)
+        self.wrt = inexact if wrt is None else selected_wrt(self.name, self.names, self.types, wrt)
+        self.of = selected_of(self.name, self.names, self.types, summary, of if of is not None else carried.of)
+        kinds, results = dict(zip(self.names, self.types)), self.prepared.results
+        self.outputs = tuple([
+            o for name in self.of for o in ([Output(RETURN, results.types[k], k) for k in results.own]
+                                            if name == RETURN else [Output(name, kinds[name])])])
+        self._calls: dict[Any, Any] = {}
+
+    def request(self, mode: str, wrt: tuple[str, ...] = (), of: tuple[str, ...] = ()) -> Executable:
+        """The derivative, or the primal."""
+        if mode != "primal":
+            return self.prepared.variant(mode, wrt, of)
+        return self.state.variant(Request("primal", self.types, (), ()), self.prepared.engine)
+
+    def structure(self, items: Sequence[Any]) -> Any:
+        """What a user gets of the outputs, or of their tangents: one by itself, several by name, results as the kernel
+        returns them, with None for what is no float or goes by the name of an argument."""
+        found: dict[str, Any] = {}
+        by_place = {o.place: item for o, item in zip(self.outputs, items) if o.name == RETURN}
+        count = len(self.prepared.results.types)
+        for output, item in zip(self.outputs, items):
+            found[output.name] = item
+        if by_place and count > 1:
+            found[RETURN] = tuple(by_place.get(k) for k in range(count))
+        return found[self.of[0]] if len(self.of) == 1 else found
+
+    def primal(self, values: Sequence[Any]) -> list[Any]:
+        """The outputs."""
+        variant = self.request("primal")
+        copies = dict(zip(self.names, self.prepared.private_copies(values)))
+        arguments = variant.assemble(copies, {}, (), self.state.private_outside_arrays(self.types))
+        variant.for_call(arguments)
+        if self._once("primal"):
+            variant.prepare(arguments)
+        returned = variant.call(*arguments)
+        parts = returned if len(self.prepared.results.types) > 1 else (returned,)
+        return [parts[o.place] if o.name == RETURN else copies[o.name] for o in self.outputs]
+
+    def _once(self, key: Any) -> bool:
+        first = key not in self._calls
+        self._calls[key] = True
+        return first
+
+    def vjp(self, values: Sequence[Any], seeds: Sequence[Any], wrt: tuple[str, ...], of: tuple[str, ...]) -> list[Any]:
+        """The adjoints of `wrt` for seeds of those outputs that are in `of`, in order."""
+        call = self._call(ReverseCall, values, of, wrt)
+        copies = dict(zip(self.names, call.private_copies(values)))
+        outputs = [o for o in self.outputs if o.name in of]
+        given = {o.name: seed for o, seed in zip(outputs, seeds) if o.name != RETURN}
+        own = {o.place: result_seed(seed, o.type) for o, seed in zip(outputs, seeds) if o.name == RETURN}
+        shadows = {n: np.array(given[n]) if n in given else np.zeros_like(copies[n]) for n in call.rv.shadows}
+        returned = call.call(call.rv, copies, shadows, [own[k] for k in call.seed_places])
+        scalars = dict(zip(call.rv.generated.returns, returned))
+        return [shadows[n] if n in shadows else scalars[n] for n in wrt]
+
+    def jvp(self, values: Sequence[Any], tangents: Mapping[str, Any]) -> list[Any]:
+        """The tangents of the outputs."""
+        call = self._call(ForwardCall, values, tuple(tangents), self.of)
+        copies, shadows = call.bind_values(values, tangents)
+        returned = dict(zip(call.fv.generated.returns, call.call(call.fv, copies, shadows)))
+        return [returned.get(f"{RETURN} {o.place}", 0.0) if o.name == RETURN else shadows[o.name] for o in self.outputs]
+
+    def _call(self, kind: Callable[..., Any], values: Sequence[Any], *names: tuple[str, ...]) -> Any:
+        key = kind, names
+        if key not in self._calls:
+            self._calls[key] = kind(self.state, self.f, tuple(values), *names)
+        return self._calls[key]
