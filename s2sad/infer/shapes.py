@@ -168,9 +168,19 @@ def shape_expression(shapes: Shapes, shape: Shape) -> AST:
 
 def shapes_of(function: FunctionDef, typing: Typing) -> Shapes:
     """The shapes of a function with resolved views, as they follow from its allocations and guards."""
-    made = bare_shapes(function, typing)
-    _learn_block(made, function.body, True)
-    return made
+    weakened: dict[str, Shape] = {}
+    while True:     # a length of 1 that a later allocation ends has been none for those before it in a loop, either
+        made = bare_shapes(function, typing)
+        made.arrays |= weakened
+        _learn_block(made, function.body, True)
+        found = {a: made.arrays.get(a, ()) for a in made.several}
+        if found.keys() == weakened.keys() and all(_ones(found[a]) == _ones(weakened[a]) for a in found):
+            return made
+        weakened = found
+
+
+def _ones(shape: Shape) -> tuple[int, ...]:
+    return tuple(k for k, size in enumerate(shape) if size == ONE)
 
 
 def _learn_block(shapes: Shapes, block: list[AST], top: bool = False) -> None:
