@@ -23,7 +23,7 @@ from s2sad.naming import Names
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.control.peel_first_iteration import peel_first_iteration
 from s2sad.tree import (
-    AST, Assign, AugAssign, Break, For, FunctionDef, If, Name, Raise, Return, Store, While, rebuild, walk,
+    AST, Assign, AugAssign, Break, Continue, For, FunctionDef, If, Name, Raise, Return, Store, While, rebuild, walk,
 )
 
 State = dict[str, frozenset[int]]   # the bindings that each name may have
@@ -45,7 +45,7 @@ def split_live_ranges(function: FunctionDef, types: Mapping[str, Type], call_typ
     while True:
         said, conflicting = Report(report.source), set[str]()
         table = inference(function, types, call_types, said, constants, conflicting, wider)
-        new = _LiveRanges(function, conflicting).split(free) if conflicting else None
+        new = LiveRanges(function, conflicting).split(free) if conflicting else None
         if new is None and conflicting and not begun:
             new, begun = peel_first_iteration(function, conflicting, free), True
         if new is None and (wider or not conflicting):
@@ -55,13 +55,14 @@ def split_live_ranges(function: FunctionDef, types: Mapping[str, Type], call_typ
         function = new or function
 
 
-class _LiveRanges:
+class LiveRanges:
     """The live ranges of some names: each binding is known by its node, `joined` leads to one of the same range."""
 
     def __init__(self, function: FunctionDef, conflicting: set[str]):
         self.function = function
         self.joined: dict[int, int] = {}
-        self.exits: list[list[State]] = []
+        self.exits: list[list[State]] = []      # of the loops around, by `break`
+        self.next_trips: list[list[State]] = []     # by `continue`
         given = {p.id: frozenset({id(p)}) for p in function.args.args if p.id in conflicting}
         self.conflicting = conflicting
         self.block(function.body, given)
@@ -130,6 +131,9 @@ class _LiveRanges:
         if isinstance(statement, Break):
             self.exits[-1].append(state)
             return None
+        if isinstance(statement, Continue):
+            self.next_trips[-1].append(state)
+            return None
         self.read(statement, state)
         if isinstance(statement, AugAssign) and isinstance(statement.target, Name):
             self.join(statement.target, state.get(statement.target.id, frozenset()))
@@ -143,8 +147,11 @@ class _LiveRanges:
             if isinstance(loop, While):
                 self.read(loop.test, state)
             self.exits.append(left)
+            self.next_trips.append([])
             after = self.block(loop.body, self.bind(loop.target, state) if isinstance(loop, For) else state)
             self.exits.pop()
+            for early in self.next_trips.pop():
+                after = _either(after, early)
             grown = _either(state, after)
             if grown == state:
                 break

@@ -18,6 +18,7 @@ from __future__ import annotations
 from s2sad.infer.list_arrays import LISTED, MARKS, filled_part, growing_capacity, list_arrays
 from s2sad.normalize.lists.negative_indices import negative_indices, place as index_of
 from s2sad.normalize.control.hoist import impure
+from s2sad.normalize.live_range_splitting import LiveRanges
 from s2sad.normalize.lists.capacity import Capacity, IndexIntervals, sink_empty_lists
 from s2sad.normalize.lists.list_contents import COPIED, row_aliases
 from s2sad.normalize.lists.escaping_lists import escaping_lists, has_sizes
@@ -27,7 +28,7 @@ from s2sad.normalize.views.view_aliases import makes_view
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, BoolOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, Gt,
     IfExp, List, Mult, Name, Not, Return, Slice, Store, Subscript, Tuple, USub, UnaryOp, add, assign, at, augment,
-    call, call_name, compare, const, copy, head_copy, index, indices, name, rebuild, rename, stored_names, sub,
+    call, call_name, compare, const, copy, head_copy, index, indices, name, rebuild, stored_names, sub,
     walk, walk_statements,
 )
 
@@ -49,7 +50,7 @@ def growing(function: FunctionDef, scope: KernelScope) -> FunctionDef:
     if not escaping_lists(function) and not any(_appended(n) or call_name(n) == LISTED for n in nodes):
         _refuse_row_aliases(function, scope)
         return function
-    new = sink_empty_lists(_renamed_rebindings(function, scope), scope, _appended)
+    new = sink_empty_lists(_with_own_names(function, scope), scope, _appended)
     scope.report.finish()
     scope.begin(new)
     _refuse_row_aliases(new, scope)
@@ -78,24 +79,11 @@ def _refuse_row_aliases(function: FunctionDef, scope: KernelScope) -> None:
         scope.refuse(store, "a list holds another list that is written, not a copy of it", help=COPIED)
 
 
-def _renamed_rebindings(function: FunctionDef, scope: KernelScope) -> FunctionDef:
-    """The function in which a list's name that is bound to something else from some statement on, as after
-    `us = np.array(us)`, is another name from there on."""
-    new = copy(function)
+def _with_own_names(function: FunctionDef, scope: KernelScope) -> FunctionDef:
+    """The function in which a name that is a list at first and another thing later is two, as behind
+    `us = np.array(us)` or in `for row in rows`."""
     grown = {n for s in walk(function.body) if (n := _appended(s)) is not None}
-    made: set[str] = set()
-    for k in range(len(function.body)):
-        statement = new.body[k]
-        target = statement.targets[0] if isinstance(statement, Assign) and len(statement.targets) == 1 else None
-        if not isinstance(target, Name):
-            continue
-        if target.id in made and not any(_appended(n) == target.id for s in new.body[k:] for n in walk(s)):
-            other = scope.fresh(target.id)
-            new.body = [*new.body[:k], at(assign(other, statement.value), statement),
-                        *(rename(s, {target.id: other}) for s in new.body[k + 1:])]
-        elif isinstance(statement.value, List) and target.id in grown:
-            made.add(target.id)
-    return new
+    return LiveRanges(function, grown).split(scope.names) or function
 
 
 def _appended(node: AST) -> str | None:
@@ -287,6 +275,8 @@ def _as_arrays(tree: FunctionDef) -> set[int]:
             found.add(id(node.iter))
         elif isinstance(node, Subscript):
             found |= {id(n) for n in indices(node)}
+        elif _appended(node):
+            found.add(id(node.value.args[0]))
     return found
 
 

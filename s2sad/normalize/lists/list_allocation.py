@@ -42,7 +42,7 @@ from s2sad.normalize.lists.list_elements import element_types
 from s2sad.normalize.lists.lists_of_views import lists_of_views
 from s2sad.tree import (
     AST, Assign, Call, Constant, Expr, For, FunctionDef, List, Name, Slice, Store, Subscript, Tuple, add, assign, at,
-    attribute, call, call_name, children, const, copy, index, indices, name, rebuild, times_bound,
+    attribute, call, call_name, children, const, copy, equal, index, indices, name, rebuild, times_bound,
     tuple_of, walk, with_body,
 )
 
@@ -97,7 +97,7 @@ class _ListAllocation:
             return None
         listed, kind = node.targets[0].id, self.typing.of(node.targets[0])
         count = node.value.args[0]
-        first = next((s.value for s in self.stores if stored_list(s.targets[0], [listed])), None)
+        first = self.first_stored(listed)
         sizes = None if first is None else self.sizes(first, kind.rank - 1, node, 0)
         if sizes is None and first is not None and self.typing.of(first).rank == kind.rank - 1:
             sizes = self.computed.of(first, lambda n: self.is_bound(n, node))
@@ -115,8 +115,7 @@ class _ListAllocation:
         if depth > 8 or self.typing.of(value).rank != rank:
             return None
         if isinstance(value, Name) and value.id in self.made:
-            return [copy(self.made[value.id].value.args[0])] if rank == 1 and self.is_bound(
-                self.made[value.id].value, place) else None
+            return self.of_list(value.id, rank, place, depth)
         if call_name(value) == "numpy.array" and isinstance(value.args[0], (List, Tuple)):
             return list(map(const, literal_shape(value.args[0])))
         if call_name(value) == "numpy.stack" and isinstance(value.args[0], (List, Tuple)) and value.args[0].elts and [
@@ -142,6 +141,18 @@ class _ListAllocation:
             if self.typing.of(child).is_array and (found := self.sizes(child, rank, place, depth)) is not None:
                 return found
         return None
+
+    def of_list(self, listed: str, rank: int, place: AST, depth: int) -> list[AST] | None:
+        """The sizes of a list that is full, whose count is the same in the first trip of a loop and in the second."""
+        count = self.made[listed].value.args[0]
+        lengths = [self.computed.substituted(count, lambda n: self.is_bound(n, place), trip, False) for trip in (0, 1)]
+        row = self.first_stored(listed) if rank > 1 else None
+        rows = [] if rank == 1 else None if row is None else self.sizes(row, rank - 1, place, depth + 1)
+        known = equal(*lengths) and self.is_bound(lengths[0], place)
+        return [lengths[0], *rows] if known and rows is not None else None
+
+    def first_stored(self, listed: str) -> AST | None:
+        return next((s.value for s in self.stores if stored_list(s.targets[0], [listed])), None)
 
     def of_product(self, value: AST, rank: int, place: AST, depth: int) -> list[AST] | None:
         """The sizes of a product of matrices and vectors: the rows of the first, the columns of the second."""

@@ -252,8 +252,9 @@ def row_aliases(function: FunctionDef, appended: Appended) -> list[AST]:
     h.append(w)             or h = [w, v], h[0] = w
     w[0] = 0.0              Python's h holds the new number
 
-    Requires resolved names. Only lists that are spelled out are asked about: for others, which are arrays,
-    `stored_into_later` is.
+    A list that grows must be made anew for each `append` of it, and be left alone afterwards.
+
+    Requires resolved names. Only lists are asked about: for arrays `stored_into_later` is.
     """
     nodes = list(walk(function.body))
     order = {id(n): k for k, n in enumerate(nodes)}
@@ -261,7 +262,8 @@ def row_aliases(function: FunctionDef, appended: Appended) -> list[AST]:
     spelled = {n for n, s in bound if isinstance(s.value, List) and s.value.elts}
     lists = {n for n, s in bound if isinstance(s.value, List)} | {*list_arrays(function)}
     stored = [n for n in nodes if isinstance(n, Subscript) and isinstance(n.ctx, Store)]
-    found = []
+    found = [s for s in nodes if appended(s) and isinstance(item := s.value.args[0], Name)
+             and item.id in lists - spelled and not _is_made_for(function, s, item.id)]
     for store, outer, value, several in ((s, *put) for s in nodes for put in _list_insertions(s, appended, spelled)):
         before = [order[id(s)] for n, s in bound if n == value and order[id(s)] < order[id(store)]]
         if outer not in lists or value not in spelled or not before:
@@ -278,6 +280,23 @@ def row_aliases(function: FunctionDef, appended: Appended) -> list[AST]:
         if later & {id(_base(w)) for w in stored} or (later or again or several) and rows:
             found.append(store)
     return found
+
+
+def _is_made_for(function: FunctionDef, append: AST, item: str) -> bool:
+    """Whether a list is made anew before each run of a statement that appends it to another one, and is used nowhere
+    else than between the two."""
+    for node in (function, *walk(function.body)):
+        for block in (b for b in (getattr(node, "body", None), getattr(node, "orelse", None)) if isinstance(b, list)):
+            made = next((k for k, s in enumerate(block) if isinstance(s, Assign) and isinstance(s.targets[0], Name)
+                         and s.targets[0].id == item), None)
+            if made is not None:
+                inside = [n for s in block[made:] for n in walk(s)]
+                until = next((k for k, n in enumerate(inside) if n is append.value.args[0]), -1)
+                between = sum(isinstance(n, Name) and n.id == item for n in inside[:until + 1])
+                again = any(isinstance(n, (For, While)) and any(m is append for m in walk(n)) for n in inside)
+                return not again and between == sum(
+                    isinstance(n, Name) and n.id == item for n in walk(function.body))
+    return False
 
 
 def _list_insertions(store: AST, appended: Appended, spelled: set[str]) -> list[tuple[str, str, bool]]:
