@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from s2sad.infer.affine import Affine
+from s2sad.infer.promotion import promote
 from s2sad.infer.types import UNKNOWN, Type, array, of_rank
 from s2sad.infer.signatures.norms_and_products import (
     common_dtype, least_squares, of_matrices, of_matrix, solution, solved,
@@ -117,8 +118,8 @@ def _matmul_type(args: list[Type], options: Options) -> Type:
 def _dot_type(args: list[Type], options: Options) -> Type:
     """The last axis of the first with the last but one of the second; a number multiplies."""
     a, b = args
-    if a.is_number != b.is_number and a.dtype == b.dtype == "float64":
-        return b if a.is_number else a
+    if a.is_number and (b.is_number or b.is_array) or a.is_array and b.is_number:
+        return promote(a, b) if {a.dtype, b.dtype} <= {"float64", "int64", "complex128"} else UNKNOWN
     fits = a.is_array and b.is_array and a.rank + b.rank <= MOST_PAIRED
     return of_rank(array(common_dtype(args), 1), a.rank + b.rank - 2) if fits else UNKNOWN
 

@@ -32,7 +32,7 @@ _REDUCING = {"linalg.norm", "median", "sort", "diff", "count_nonzero"}
 _FIRST_OPERAND = {"diag", "diagflat", "tril", "triu", "roll", "flip", "searchsorted", "linalg.det", "linalg.inv",
                   "trapezoid", "average", "ediff1d"}
 _PRODUCTS = {"dot", "outer", "inner", "vdot", "matmul", "where", "interp", "polyval", "convolve", "correlate", "cross",
-             "kron", "linalg.solve", "setdiff1d", "einsum.matmul"}
+             "kron", "linalg.solve", "setdiff1d", "einsum.matmul", "meshgrid"}
 _SHAPED = {"reshape", "transpose"}
 _PARTS = {"real", "imag"}  # attributes
 
@@ -84,7 +84,7 @@ def _call(node: Call) -> AST | None:
     if call_name(node) == "numpy.reshape" and len(node.args) == 2 and isinstance(shape := node.args[1], List):
         return rebuild(at(call("numpy.reshape", node.args[0], tuple_of(*shape.elts)), node), _canonical)
     whole = _array_operands(node)
-    if any(isinstance(a, (Tuple, List)) for a in whole):
+    if any(isinstance(a, (Tuple, List)) or _is_range(a) for a in whole):
         made = [*map(_literal_as_array, whole), *node.args[len(whole):]]
         return rebuild(at(Call(node.func, made, node.keywords), node), _canonical)
     if isinstance(node.func, Attribute) and (method := node.func.attr) in {*CONJUGATING, *_METHODS, *_PREDICATES}:
@@ -103,8 +103,8 @@ def _call(node: Call) -> AST | None:
 
 
 def _literal_as_array(node: AST) -> AST:
-    """A tuple or a list that is spelled out as an array; anything else as it is."""
-    return call("numpy.array", node) if isinstance(node, (Tuple, List)) else node
+    """A tuple or a list that is spelled out, or a range, as an array; anything else as it is."""
+    return call("numpy.array", node) if isinstance(node, (Tuple, List)) else _range_as_array(node)
 
 
 def _is_range(node: AST) -> bool:

@@ -125,7 +125,7 @@ def batched_products(function: FunctionDef, context: NormalContext) -> FunctionD
             return _raveled_outer(node, ranks, [rebuild(a, change) for a in node.args])
         if call_name(node) == "numpy.tensordot":
             return tensor_product(node, ranks, [rebuild(a, change) for a in node.args])
-        if call_name(node) == "numpy.dot" and min(ranks) < 1 <= max(ranks):
+        if call_name(node) == "numpy.dot" and min(ranks) < 1:
             return at(mult(*(rebuild(a, change) for a in node.args)), node)
         if max(ranks) < 3 or min(ranks) < 1:
             return None

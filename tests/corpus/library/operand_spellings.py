@@ -50,8 +50,20 @@ def open_axes(u):
         "...i,...i->...", u[0], u[1])
 
 
+def products_with_numbers(u):
+    return np.sum(np.dot(0, 3) + u[0]) + np.dot(u[0, 0], u[0, 1]) + np.sum(np.dot(u, 2)) * np.dot(2, u[1, 1])
+
+
+def ranges_as_operands(u):
+    x, y = np.meshgrid(range(4), range(4))
+    inside = (x - 1) ** 2 + y ** 2 < 3
+    u[inside] = u[inside] ** 2
+    a, b = np.meshgrid([1.0, 2.0, 0.5, 3.0], u[0], indexing="ij")
+    return np.sum(u * x) + np.sum(a * b) + np.dot(u[1], range(4))
+
+
 def cases():
     # derivatives
     for kernel in (open_axes, blocks_of_vectors, products_of_stacks, written_operands, ends_of_gradients,
-            ends_of_tables, means_without_nans):
+            ends_of_tables, means_without_nans, products_with_numbers, ranges_as_operands):
         yield Case(kernel, (U,), ("u",))
