@@ -11,7 +11,6 @@ from s2sad.infer.scalar_reductions_types import reduced_number
 from s2sad.infer.signatures.dispatch_by_name import expansion_type
 from s2sad.infer.list_arrays import LISTED, MARKS
 from s2sad.infer.promotion import CASTS, array_of_items, dtype_of, promote
-from s2sad.infer.unit_axes import unit_axes
 from s2sad.infer.types import BOOL, FLOAT, INT, NONE, UNKNOWN, Type, array
 from s2sad.rules.composed import LAW as COMPOSED
 from s2sad.rules.rule import template
@@ -55,7 +54,8 @@ class TypesOfCalls(ABC):
             return self._method(node)
         if name.startswith("user."):
             results = self.call_results(node)
-            return UNKNOWN if not results else results[0] if len(results) == 1 else Type("tuple", items=results)
+            plain = tuple(t.plain for t in results)
+            return UNKNOWN if not plain else plain[0] if len(plain) == 1 else Type("tuple", items=plain)
         if name == LISTED:
             return UNKNOWN  # it follows from what is stored
         if name in _ALLOCATIONS:
@@ -83,8 +83,7 @@ class TypesOfCalls(ABC):
         if rule.name.startswith("runtime."):    # a rule's own text names no options
             types = types[:len(rule.operands)]
         if rule.name == "numpy.squeeze":
-            types = [replace(t, ones=unit_axes(a, self.of, self.argument)) if t.is_array else t
-                     for t, a in zip(types, node.args)]
+            types = list(map(self.argument, node.args))
         if any(t.kind == "unknown" for t in types) or len(types) != len(rule.operands):
             return UNKNOWN
         arguments = rule.arguments(node)

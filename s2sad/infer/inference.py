@@ -18,7 +18,7 @@ from s2sad.infer.promotion import RANKS, join, promote
 from s2sad.infer.types import BOOL, FLOAT, INT, TEXT, UNKNOWN, Type, array, of_value
 from s2sad.infer.call_types import CallTypes, TypesOfCalls
 from s2sad.infer.list_arrays import is_list_allocation, stored_list
-from s2sad.infer.subscript_forms import is_single, keeps_axis
+from s2sad.infer.unit_axes import unit_axes
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, BitAnd, BitOr, BitXor, BoolOp, Call, Compare, Constant, Div, For,
     FunctionDef, If, IfExp, LShift, List, Mult, Name, Not, Pow, RShift, Return, Slice, Subscript, Tuple, USub,
@@ -36,15 +36,15 @@ def inference(function: FunctionDef, parameters: Mapping[str, Type], call_types:
     found = _Inference(parameters, call_types, report, constants or {})
     found.wider = wider
     for _ in range(20):
-        before = dict(found.table)
+        before = found.with_ones()
         found.block(function.body)
-        if found.table == before:
+        if found.with_ones() == before:
             break
     found.final = True
     found.block(function.body)
     if conflicting is not None:
         conflicting |= found.conflicting
-    return found.table
+    return found.with_ones()
 
 
 _FLOATS = frozenset({"numpy.pi", "numpy.e", "numpy.inf", "numpy.nan", "math.pi", "math.e", "math.inf", "math.nan",
@@ -65,7 +65,7 @@ class Typing(TypesOfCalls):
         self.report: Final = report
         self.constants: Final = constants
         self.runs_once: Final = runs_once       # whether a kernel's call is not to be run again
-        self.ones: Final[Mapping[str, tuple[int, ...]]] = {n: t.ones for n, t in table.items() if t.ones}
+        self.ones: Final[dict[str, tuple[int, ...]]] = {n: t.ones for n, t in table.items() if t.ones}
         self._types = {n: t.plain for n, t in table.items()}
         self.table: Final[Mapping[str, Type]] = MappingProxyType(self._types)
         self._known: dict[AST, Type] = {}       # by identity
@@ -73,38 +73,32 @@ class Typing(TypesOfCalls):
 
     def declare(self, identifier: str, kind: Type) -> str:
         """The name, which has this type from here on: `typing.declare(names.fresh("part"), typing.of(node))`."""
-        known = self._types.setdefault(identifier, kind)
-        assert known == kind, f"{identifier} is {known}, not {kind}"
+        known = self._types.setdefault(identifier, kind.plain)
+        assert known == kind.plain, f"{identifier} is {known}, not {kind}"
+        if kind.ones:
+            self.ones.setdefault(identifier, kind.ones)
         return identifier
 
     def copy(self, report: Report | None = None, final: bool = False,
              runs_once: Callable[[Call], bool] | None = None) -> Typing:
         """The same types, to which others are added."""
-        return Typing(self._with_ones(), self.call_types, report or self.report, self.constants, final,
+        return Typing(self.with_ones(), self.call_types, report or self.report, self.constants, final,
                       runs_once or self.runs_once)
 
     def extended(self, block: list[AST]) -> Typing:
         """The types with those of the names that statements bind."""
-        found = _Inference(self._with_ones(), self.call_types, self.report, self.constants, self.final, self.runs_once)
+        found = _Inference(self.with_ones(), self.call_types, self.report, self.constants, self.final, self.runs_once)
         found.block(block)
         return found.copy(final=self.final)
 
-    def _with_ones(self) -> dict[str, Type]:
+    def with_ones(self) -> dict[str, Type]:
+        """The types of names, with the axes that are known to have length 1."""
         return {n: replace(t, ones=self.ones[n]) if n in self.ones else t for n, t in self._types.items()}
 
     def argument(self, node: AST) -> Type:
         """The type of an argument of a call, with the axes that are known to have length 1."""
-        ones = self.ones.get(node.id, ()) if isinstance(node, Name) else self.unit_axes_by_form(node)
+        ones = unit_axes(node, self)
         return replace(self.of(node), ones=ones) if ones else self.of(node)
-
-    def unit_axes_by_form(self, node: AST) -> tuple[int, ...]:
-        """The axes of a part of an array that have length 1 by the form of its subscripts."""
-        if not isinstance(node, Subscript) or not self.of(node).is_array:
-            return ()
-        kept = [s for s in indices(node) if keeps_axis(s)]
-        return tuple(k for k, s in enumerate(kept) if is_single(s)) if all(
-            keeps_axis(s) or not self.of(s).is_array for s in indices(node)) and not any(
-            isinstance(s, Constant) and s.value is Ellipsis for s in kept) else ()
 
     def of(self, node: AST) -> Type:
         kind = type(node)
@@ -326,7 +320,7 @@ class _Inference(Typing):
         if listed := stored_list(target, self.listed):
             self.bind_item(listed, self.of(statement.value))
         elif isinstance(target, Name):
-            self.bind(target.id, self.of(statement.value), statement)
+            self.bind(target.id, self.argument(statement.value), statement)
         elif isinstance(target, Tuple) and isinstance(statement.value, Call):
             results = self.call_results(statement.value)
             for item, kind in zip(target.elts, results):
@@ -342,7 +336,8 @@ class _Inference(Typing):
             self._enter(identifier, array(dtype, item.rank + 1))
 
     def bind(self, identifier: str, new: Type, place: AST) -> None:
-        old = self.table.get(identifier)
+        self._join_ones(identifier, new.ones)
+        old, new = self.table.get(identifier), new.plain
         if self.final and (old or new).kind == "unknown":
             note, help = _hint(getattr(place, "value", None))
             self.report.error("S203", f"the type of '{identifier}' cannot be inferred", place, note, help)
@@ -357,6 +352,14 @@ class _Inference(Typing):
                                   help=_rebinding_help(old, new))
             return
         self._enter(identifier, joined)
+
+    def _join_ones(self, identifier: str, new: tuple[int, ...]) -> None:
+        """The axes that have length 1 in every binding of a name: they grow fewer from round to round."""
+        old = self.ones.get(identifier, ())
+        joined = tuple(k for k in old if k in new) if identifier in self.table else new
+        if joined != old:
+            self._known = {}
+            self.ones[identifier] = joined
 
     def _enter(self, identifier: str, kind: Type) -> None:
         """The type of a name; where it had another, expressions are typed anew."""

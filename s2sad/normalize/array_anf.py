@@ -275,6 +275,6 @@ class _ArrayAnf:
         wanted = (call_name(origin) or "operand").rpartition(".")[2]
         made_there = is_function(origin) or call_name(origin) in _MADE
         made = self.free.fresh(called or (f"{wanted}_value" if made_there else "operand"))
-        self.typing.declare(made, self.typing.of(value))
+        self.typing.declare(made, self.typing.argument(value))
         before.append(at(assign(made, value), origin))
         return made

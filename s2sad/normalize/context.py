@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from s2sad.diagnostics import Report
@@ -50,7 +50,8 @@ class NormalContext(KernelScope):
 
     def typed(self, table: Mapping[str, Type], report: Report, final: bool = False) -> Typing:
         """The types of expressions over these of names."""
-        return Typing({**table, **self.given}, self.callees.call_types, report, self.constants, final)
+        given = {n: replace(t, ones=table[n].ones) if n in table else t for n, t in self.given.items()}
+        return Typing({**table, **given}, self.callees.call_types, report, self.constants, final)
 
     def written(self, called: Call) -> tuple[int, ...]:
         """The positions of the arrays that a call writes."""

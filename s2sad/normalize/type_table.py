@@ -5,6 +5,8 @@ table the passes that make names add to. Changes nothing.
 """
 from __future__ import annotations
 
+from dataclasses import replace
+
 from s2sad.infer.inference import inference
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import FunctionDef
@@ -12,7 +14,7 @@ from s2sad.tree import FunctionDef
 
 def reported_types(function: FunctionDef, context: NormalContext) -> None:
     """From here on what an expression contradicts is said when its type is asked for."""
-    context.typing = context.typed(context.typing.table, context.report)
+    context.typing = context.typed(context.typing.with_ones(), context.report)
 
 
 def declared_types(function: FunctionDef, context: NormalContext) -> None:
@@ -27,10 +29,12 @@ def declared_types(function: FunctionDef, context: NormalContext) -> None:
     refused: 'a' is bound to float64 and to text
     """
     context.report.found += context.pending.found
-    context.typing = context.typed(context.typing.table, context.report, final=True)
+    context.typing = context.typed(context.typing.with_ones(), context.report, final=True)
 
 
 def inferred_types(function: FunctionDef, context: NormalContext) -> None:
     """The types of the names that `single_assignment` has made."""
     table = inference(function, context.given, context.callees.call_types, context.report, context.typing.constants)
-    context.typing = context.typed(table, context.report)
+    found = {n: replace(t, ones=ones) if t.is_array and (ones := context.typing.ones.get(n)) else t
+             for n, t in table.items()}
+    context.typing = context.typed(found, context.report)

@@ -186,11 +186,11 @@ class NormalForms(Calls):
         guards = any(isinstance(n, (Assert, Raise)) and not is_known(n) or call_name(n) == "builtins.print"
                      for n in walk(tree.body))
         calls = [n for n in walk(tree.body) if user_call(n)]
-        results = tuple(map(typing.of, parts))
+        results = tuple(map(typing.argument, parts))
         if kernel.own is not None:
             edges = user_edges({p: typing.table[p] for p in parameters}, results, written, edges,
                               self.residual_parameters(kernel))
-        return UnitSummary(tuple(k for k, p in enumerate(parameters) if p in written), tuple(map(typing.of, parts)),
+        return UnitSummary(tuple(k for k, p in enumerate(parameters) if p in written), results,
                        {k: p.id for k, p in enumerate(parts) if isinstance(p, Name) and p.id in parameters
                         and typing.of(p).is_array},
                        tuple(edges), not guards and all(self.of_call(c, typing).summary.pure for c in calls))

@@ -75,8 +75,9 @@ class ResultShapes:
             found = self.called(node)
             return self.shape_in_parameters(found[0]) if len(found) == 1 else None
         parts = _parts(node)
-        rank = self.typing.of(node).rank
-        found = [s for p in parts if self.typing.of(p).rank == rank and (s := self.shape(p)) is not None]
+        whole = self.typing.argument(node)      # a part that is repeated has another shape
+        found = [s for p in parts if (own := self.typing.argument(p)).rank == whole.rank and own.ones == whole.ones
+                 and (s := self.shape(p)) is not None]
         return found[0] if found else None
 
     def shape_in_parameters(self, shape: AST | None) -> AST | None:

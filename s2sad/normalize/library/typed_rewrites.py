@@ -69,7 +69,7 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
             return at(call("numpy.abs", rebuild(node.args[0], change)), node)
         if call_name(node) == "numpy.squeeze" and len(node.args) == 1 and all(map(is_none, (
                 k.value for k in node.keywords))) and (
-                gone := unit_axes(node.args[0], typing.of, typing.argument)):
+                gone := unit_axes(node.args[0], typing)):
             return at(call("numpy.squeeze", rebuild(node.args[0], change), axis=tuple_of(*map(const, gone)),
                            whole=const(True)), node)
         if call_name(node) == "numpy.reshape" and (made := _vector_reshape(node, typing)) is not None:
