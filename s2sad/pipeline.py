@@ -33,10 +33,11 @@ from s2sad.normalize.calls.global_arrays import global_arrays, hidden_name
 from s2sad.diagnostics import Diagnostic, S2sadError, WaitingForFacts
 from s2sad.evaluate.specialize import specialize
 from s2sad.live_objects.guards import recording
-from s2sad.read import of_captured
+from s2sad.read import load as read_function, of_captured
+from s2sad.run.module_loader import load
 from s2sad.program import (
     DemandedFacts, EntrySummary, Generated, Parameter, Program, RecordedArray, Request, SnapshotLoop,
-    Snapshots,
+    Snapshots, UnmadeDerivative,
 )
 from s2sad.run.user_functions_in_numba import compilable
 from s2sad.naming import Names
@@ -44,6 +45,9 @@ from s2sad.passes import Watch, unwatched
 from s2sad.tree import FunctionDef
 from s2sad.units import Place, UnitDerivative, Unit, Units, check_outlined, loops_that_keep, user_names
 from s2sad.units.bounds import index_limits
+from s2sad.units.nested_derivatives import (
+    differentiated_program, nested_call, nested_request, with_derivative,
+)
 from s2sad.units.fast_functions import aliased_derivatives, fast, fast_primal, fast_sweeps
 from s2sad.units.rounded_tapes import refuse_unrounded
 
@@ -95,7 +99,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         if request.engine == "numba":
             functions = in_dialect(functions, units)
         sources = [units.titled[f.name].kernel.source for f in functions]
-        printed = module(functions, header=[f"The primal of {unit.kernel.name}."], constants=program.constants,
+        printed = module(functions, header=[f"The primal of {unit.kernel.name}."], constants=units.program.constants,
                          standalone=request.standalone)
         guards, places = line_table(printed, sources)
         return Generated(printed.text, unit.title, parameters, ("result",), {
@@ -140,7 +144,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         found |= {"forward": functions[-2].name, "tape": tuple((e.kind, e.written) for e in derived.tape),
                   "taken": primals(unit, units)}
     printed = module(functions, header=header(derived, request, units),
-                     constants={**program.constants, **units.tables()}, standalone=request.standalone)
+                     constants={**units.program.constants, **units.tables()}, standalone=request.standalone)
     found["functions"] = printed.functions
     sources += [unit.kernel.source] * (len(functions) - len(sources))
     found["guards"], found["places"] = line_table(printed, sources)
@@ -226,8 +230,23 @@ def normal_form(program: Program, types: tuple[Type, ...], engine: str, watch: W
                 keep: Mapping[Place, Snapshots] = MappingProxyType({})) -> tuple[Units, Unit]:
     """The units of a program, and that of its entry for arguments of these types."""
     program = global_arrays(program)
-    units = Units(program, engine, watch=watch, checkpoints=keep)
-    return units, units.unit(program.entry, types + tuple(of_value(a) for a in program.arrays.values()))
+    types += tuple(of_value(a) for a in program.arrays.values())
+    while True:
+        units = Units(program, engine, watch=watch, checkpoints=keep)
+        try:
+            return units, units.unit(program.entry, types)
+        except UnmadeDerivative as unmade:
+            program = derivative_made(program, unmade, engine)
+
+
+def derivative_made(program: Program, unmade: UnmadeDerivative, engine: str) -> Program:
+    """The program in which a kernel that stands for a derivative calls its text."""
+    nested = nested_call(program, unmade.kernel)
+    inner, request = differentiated_program(program, nested), nested_request(nested, unmade.types, engine)
+    made = derive(inner, request)
+    text = load(made.text, made.entry)
+    return with_derivative(program, nested, unmade.types, made, read_function(getattr(text, made.entry)),
+                           summary(inner, request.types))
 
 
 def evaluated_form(program: Program, types: tuple[Type, ...], engine: str, watch: Watch, refused: S2sadError

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from s2sad.diagnostics import S2sadError, Source, Span
+from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.infer.types import Type
 from s2sad.live_objects.guards import Guards
 from s2sad.live_objects.registry import RegisteredDerivative
@@ -20,12 +20,27 @@ MISFIT = " does not have the shape of the result"      # what a generated file s
 
 
 @dataclass(frozen=True)
+class NestedDerivative:
+    """A derivative that a kernel calls: in the tree of the kernel that stands for it, a call of the function that is
+    differentiated, and what its own results are like. By position among that one's parameters are what it is with
+    respect to and of (-1: what is returned); `with_value`: what is returned comes first; `seeded`: seeds are its
+    last parameters, as directions are of a tangent, else they are 1. `types` are those that it is made for already."""
+    mode: str
+    wrt: tuple[int, ...]
+    of: tuple[int, ...]
+    with_value: bool = False
+    seeded: bool = False
+    types: tuple[Type, ...] | None = None
+
+
+@dataclass(frozen=True)
 class Kernel:
     """One user's function as read: its name in the program, its tree with resolved names, its source.
 
     `parameters` in order; `defaults` by name (Python values); `annotations` by name (their text); `own` is the
     derivative that the user gave it, `residual` the kernel that it makes zero, if it is an implicit function;
-    `results` says how many of its last parameters take what the user's function returns. Of an entry, `floats` are the
+    `results` says how many of its last parameters take what the user's function returns; `nested` says which derivative
+    of the one kernel that it calls it stands for. Of an entry, `floats` are the
     parameters that may be floats by its text, `independents` those that a gradient is with respect to by default.
     """
     name: str
@@ -39,6 +54,7 @@ class Kernel:
     results: int = 0
     floats: tuple[str, ...] = ()
     independents: tuple[str, ...] = ()
+    nested: NestedDerivative | None = None
 
 
 @dataclass(frozen=True)
@@ -133,6 +149,28 @@ class DemandedFacts(Exception):
     def __init__(self, facts: frozenset[Fact], error: S2sadError):
         super().__init__(str(error))
         self.facts, self.error = facts, error
+
+
+class UnmadeDerivative(Exception):
+    """A kernel that stands for a derivative is called with arguments of these types, and is to be made first."""
+
+    def __init__(self, kernel: str, types: tuple[Type, ...]):
+        super().__init__(kernel)
+        self.kernel, self.types = kernel, types
+
+
+def made_derivative(kernel: Kernel, types: tuple[Type, ...]) -> None:
+    """Raises unless a kernel can be called with arguments of these types: one that stands for a derivative is made
+    for those of its first call."""
+    nested = kernel.nested
+    if nested is None or nested.types == types:
+        return
+    if nested.types is None and not any(t.kind == "unknown" for t in types):
+        raise UnmadeDerivative(kernel.name, types)
+    given = ", ".join(map(str, types))
+    there = "" if nested.types is None else f", and with ({', '.join(map(str, nested.types))})"
+    raise S2sadError(Diagnostic("S203", f"the derivative '{kernel.name}' is called with ({given}){there}",
+                                help="call it with arguments of one type, from a function for each type"))
 
 
 Table = tuple[tuple[int, int], ...]

@@ -194,5 +194,5 @@ def same_program(ours: Program, theirs: Program) -> bool:
 
 def _same_kernel(ours: Kernel, theirs: Kernel) -> bool:
     return (ours.source == theirs.source and equal(ours.tree, theirs.tree)    # a name may mean another function now
-            and ours.own is theirs.own and list(ours.defaults) == list(theirs.defaults)
+            and ours.own is theirs.own and ours.nested == theirs.nested and list(ours.defaults) == list(theirs.defaults)
             and all(same(v, theirs.defaults[k]) for k, v in ours.defaults.items()))

@@ -16,7 +16,7 @@ from s2sad.interface.pickling import Decorated
 from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
 from s2sad.program import Economy, TapeDtype
 from s2sad.interface.selection import RETURN, Wrt, names_of
-from s2sad.live_objects.unwrap import apply_functions
+from s2sad.live_objects.unwrap import CalledDerivative, apply_functions
 from s2sad.run.memory import Memory
 from s2sad.run.tracebacks import public
 from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
@@ -80,13 +80,13 @@ def value_and_gradient(f: Callable[P, R], wrt: Wrt = None, checkpoint: Checkpoin
     return ValueAndGradient(f, wrt, checkpoint, memory, tape_dtype)
 
 
-class _Driver(Decorated):
+class _Driver(Decorated, CalledDerivative):
     """A function of f's arguments that can be pickled where f can; `_what` it gives."""
     _what = ""
 
     def __init__(self, f: Callable[..., Any], wrt: Wrt = None, checkpoint: Checkpoint = None,
                  memory: Economy | None = None, tape_dtype: TapeDtype | None = None):
-        self._derivatives, self._names = derivatives_of(f), names_of(wrt, f)
+        self._derivatives, self.names = derivatives_of(f), names_of(wrt, f)
         self._carrier = carrier_of(f, checkpoint, memory, tape_dtype)
         self.__wrapped__ = f
         name, self.__module__ = getattr(f, "__name__", "f"), getattr(f, "__module__", __name__)
@@ -94,7 +94,7 @@ class _Driver(Decorated):
         self.__doc__ = f"The {self._what} of '{name}'."
 
     def decorator_arguments(self) -> tuple[Any, ...]:
-        return self.__wrapped__, self._names, selection_of(self._carrier).recording
+        return self.__wrapped__, self.names, selection_of(self._carrier).recording
 
     def __get__(self, instance: Any, owner: Any = None) -> Any:
         return self if instance is None else functools.partial(self, instance)
@@ -105,17 +105,17 @@ class _Driver(Decorated):
     @public
     def memory(self, *args: Any, **keywords: Any) -> Memory:
         """The memory that a call with these arguments takes, found before anything runs: see `Memory`."""
-        entry, args = _prepared(self.__wrapped__, self._carrier, self._derivatives, self._names, args, keywords)
+        entry, args = _prepared(self.__wrapped__, self._carrier, self._derivatives, self.names, args, keywords)
         return entry.memory(args)
 
     def _value_and_gradient(self, args: tuple[Any, ...], keywords: dict[str, Any]) -> tuple[Any, Any]:
-        entry, args = _prepared(self.__wrapped__, self._carrier, self._derivatives, self._names, args, keywords)
+        entry, args = _prepared(self.__wrapped__, self._carrier, self._derivatives, self.names, args, keywords)
         return entry.value_and_gradient(args)
 
 
 class Gradient(_Driver, Generic[P]):
     """The gradient of f's float, as a function of f's arguments; see `gradient`."""
-    _what = "gradient"
+    _what = path = "gradient"
 
     @public
     def __call__(self, *args: P.args, **keywords: P.kwargs) -> Any:
@@ -124,7 +124,7 @@ class Gradient(_Driver, Generic[P]):
 
 class ValueAndGradient(_Driver, Generic[P, R]):
     """f's float and its gradient, as a function of f's arguments; see `value_and_gradient`."""
-    _what = "value and gradient"
+    _what, path = "value and gradient", "value_and_gradient"
 
     @public
     def __call__(self, *args: P.args, **keywords: P.kwargs) -> tuple[R, Any]:

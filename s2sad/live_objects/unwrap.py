@@ -28,6 +28,14 @@ _KEPT = 16                              # how many methods and partials of one f
 _LIBRARIES = ("builtins", "functools", "numpy", "numba", "scipy", "s2sad")
 
 
+class CalledDerivative:
+    """A derivative that is called as its function is, by a kernel, too: which one it is (`path`), with respect to which
+    names or positions."""
+    path = ""
+    names: tuple[Any, ...] | None = None
+    __wrapped__: Any = None
+
+
 def python_function(value: Any) -> FunctionType | None:
     """The plain function behind a differentiated one, a Numba dispatcher, a method, a partial or an object that is
     called; None for anything else."""

@@ -47,6 +47,7 @@ from s2sad.normalize.library.searchsorted import searchsorted
 from s2sad.normalize.library.tuple_results import tuple_results
 from s2sad.normalize.library.typed_rewrites import typed_rewrites
 from s2sad.normalize.lists.growing import growing
+from s2sad.normalize.lists.stack_growth import stack_growth
 from s2sad.normalize.lists.list_allocation import list_allocation
 from s2sad.normalize.lists.list_elements import coalesce_names, copies_in_tuples, unsupported_lists
 from s2sad.normalize.lists.list_operators import list_operators
@@ -79,6 +80,7 @@ def shares_buffers(context: NormalContext) -> bool:
 STRUCTURE: Passes = (
     Pass(mgrid),
     Pass(positional_arguments),
+    Pass(stack_growth),
     Pass(growing),
     Pass(single_target),
     Pass(single_exit),

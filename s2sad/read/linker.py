@@ -8,7 +8,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, Report, S2sadError, Source, Span, warn_once
-from s2sad.program import Kernel, Program
+from s2sad.program import Kernel, NestedDerivative, Program
 from s2sad.read import supported_subset
 from s2sad.read.capture import captured_of
 from s2sad.read.ignored import ignored
@@ -33,6 +33,7 @@ class _LinkedKernel:
     defaults: dict[str, Any]
     own: RegisteredDerivative | None = None
     residual: UserFunctionValue | None = None
+    nested: NestedDerivative | None = None
 
 
 class Linker:
@@ -107,7 +108,7 @@ class Linker:
             self._call(residual, header_of(captured.tree), callers, report)
         self.found[self.identify(function)] = _LinkedKernel(captured, resolved, defaults, own,
                                                             residual if isinstance(residual, UserFunctionValue)
-                                                            else None)
+                                                            else None, getattr(function.handle, "nested", None))
 
     def _call(self, callee: UserFunctionValue, node: AST, callers: list[UserFunctionValue], report: Report) -> None:
         keys = [caller.key for caller in callers]
@@ -235,7 +236,8 @@ def _kernel(name: str, found: _LinkedKernel, names: dict[str, str], identify: Ca
     definition.name = name
     source, annotations = found.captured.source, annotations_said(found.captured)
     residual = names[identify(found.residual)].partition(".")[2] if found.residual is not None else ""
-    return Kernel(name, definition, source, found.resolved.parameters, found.defaults, annotations, found.own, residual)
+    return Kernel(name, definition, source, found.resolved.parameters, found.defaults, annotations, found.own, residual,
+                  nested=found.nested)
 
 
 def annotations_said(captured: Captured) -> dict[str, str]:

@@ -20,7 +20,7 @@ from s2sad.evaluate.specialize.entry import Residual, specialize, unread
 from s2sad.evaluate.specialize.functions import (
     builtin_functions, library_calls, object_functions, ordering, standard_library,
 )
-from s2sad.evaluate.specialize.separate import separate_call
+from s2sad.evaluate.specialize.separate import derivative_calls, separate_call
 from s2sad.evaluate.specialize.sparse import matrix_construction, matrix_operations, matrix_values
 from s2sad.evaluate.specialize.sequences import (
     constant_tables, container_methods, containers, cursors, gathering, generators, iteration, iterator_use,
@@ -28,11 +28,12 @@ from s2sad.evaluate.specialize.sequences import (
 )
 
 __all__ = [
-    "Residual", "assignment", "attributes", "branches", "builtin_functions", "choices", "class_layout", "class_lookup",
-    "comparisons", "compound_statements", "constant_tables", "construction", "container_methods", "containers",
-    "cursors", "definitions", "displays", "file_values", "frames", "function_calls", "gathering", "generators",
-    "guard_statements", "iteration", "iterator_use", "library_calls", "live_values", "loop_statements",
-    "matrix_construction", "matrix_operations", "matrix_values", "meanings", "nested_ranges", "numeric_operators",
-    "object_functions", "ordering", "residual_loops", "separate_call", "shape_changes", "shared_rows",
-    "specialize", "spelling", "standard_library", "subscripts", "unread", "written_out_loops",
+    "Residual", "assignment", "attributes", "branches", "builtin_functions", "choices", "class_layout",
+    "class_lookup", "comparisons", "compound_statements", "constant_tables", "construction", "container_methods",
+    "containers", "cursors", "definitions", "derivative_calls", "displays", "file_values", "frames",
+    "function_calls", "gathering", "generators", "guard_statements", "iteration", "iterator_use", "library_calls",
+    "live_values", "loop_statements", "matrix_construction", "matrix_operations", "matrix_values", "meanings",
+    "nested_ranges", "numeric_operators", "object_functions", "ordering", "residual_loops", "separate_call",
+    "shape_changes", "shared_rows", "specialize", "spelling", "standard_library", "subscripts", "unread",
+    "written_out_loops",
 ]

@@ -24,10 +24,10 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import Reached
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import (
-    ClassValue, Data, FunctionValue, LibraryValue, ObjectValue, TupleValue, Value, constant,
+    NONE, ClassValue, Data, FunctionValue, LibraryValue, ObjectValue, TupleValue, Value, constant,
 )
 from s2sad.live_objects.guards import ABSENT, VaryingNumber, taken
-from s2sad.live_objects.unwrap import named_function
+from s2sad.live_objects.unwrap import CalledDerivative, named_function
 from s2sad.read.capture import captured_of
 from s2sad.read.live_module import LiveScope, live_meaning
 from s2sad.read.outside_values import Captured, Library, Matrix, Namespace, kind_of, library_path
@@ -83,7 +83,9 @@ def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> 
         return _container(ev, name, value, node, f)
     if isinstance(value, (numpy.ndarray, numpy.generic)) or isinstance(value, types.ModuleType):
         return ev.meaning_value(name, live_meaning(name, value), node, f)
-    path = library_path(name, value) or _drawing(value)
+    if isinstance(value, CalledDerivative):
+        return _derivative(ev, value, node, f)
+    path = library_path(name, value) or _drawing(value) or _own(value)
     if path is not None:
         return LibraryValue(path)
     if isinstance(value, type):
@@ -100,6 +102,20 @@ def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> 
     if hasattr(value, "__slots__") and not isinstance(meaning, (Library, Matrix)):
         return _object(ev, name, value)
     return ev.meaning_value(name, meaning, node, f)
+
+
+def _own(value: Any) -> str | None:
+    """The path of a function of this package that is called in kernels."""
+    home, name = getattr(value, "__module__", None), getattr(value, "__name__", "")
+    return f"s2sad.{name}" if home == "s2sad.interface.drivers" or home == "s2sad.jacobians.second_order" else None
+
+
+def _derivative(ev: Evaluator, value: CalledDerivative, node: AST, f: Frame) -> LibraryValue:
+    """A derivative that was made outside, with its function and what it is with respect to."""
+    ev.held.append(value)
+    names = tuple(map(constant, value.names)) if value.names is not None else None
+    of = outside_value(ev, getattr(value.__wrapped__, "__name__", "f"), value.__wrapped__, node, f)
+    return LibraryValue(f"s2sad.called.{value.path}", (of, NONE if names is None else TupleValue(names)))
 
 
 def _drawing(value: Any) -> str | None:

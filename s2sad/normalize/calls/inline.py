@@ -39,7 +39,7 @@ from s2sad.normalize.calls.destination_passing import (
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.live_range_splitting import split_live_ranges
 from s2sad.normalize.buffers.argument_rotation import rotated
-from s2sad.program import Kernel, Program, SourcePlace
+from s2sad.program import Kernel, Program, SourcePlace, made_derivative
 from s2sad.tree import (
     AST, Assign, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, Name, Not, NotEq, Return, Store, Tuple,
     UnaryOp, While, assign, at, copy, function, name, names, rebuild, stored_names, tuple_of, user_call,
@@ -61,6 +61,7 @@ class Helpers:
 
     def destination(self, kernel: str, types: tuple[Type, ...]) -> DestinationVersion | None:
         """The function that writes what this one returns, if it stays a function."""
+        made_derivative(self.program.kernels[kernel], types)
         if (kernel, types) not in self._destinations:
             self._destinations[kernel, types] = destination_passing(
                 self.program.kernels[kernel], self.owned_results(kernel, types), self.results(kernel, types),
@@ -100,6 +101,7 @@ class Helpers:
 
     def written(self, kernel: str, types: tuple[Type, ...]) -> FunctionDef:
         """The function that is inlined for arguments of these types."""
+        made_derivative(self.program.kernels[kernel], types)
         tree, source = self.tree(kernel), self.program.kernels[kernel].source
         free = Names(n.id for n in walk(tree) if isinstance(n, Name))
         tree, typing = self.typing(tree, dict(zip((p.id for p in tree.args.args), types)), source, free)

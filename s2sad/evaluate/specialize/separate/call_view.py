@@ -22,7 +22,6 @@ from s2sad.evaluate.specialize.values import (
 )
 from s2sad.naming import Names
 from s2sad.program import Fact
-from s2sad.tree import AST
 
 _KINDS = ("record", "list", "dict", "set", "class")
 NUMBER = "a number that a call gives"
@@ -240,11 +239,13 @@ def _path(wanted: str, key: Any) -> str:
     return f"{wanted}_{key}" if wanted else str(key)
 
 
-def mentioned(ev: Evaluator, definition: AST) -> frozenset[str]:
-    """The names in a function's text."""
+def mentioned(ev: Evaluator, definition: Any) -> frozenset[str]:
+    """The names in a function's text that may be those of the frames around it: its own parameters hide theirs."""
     found = ev.mentioned.get(id(definition))
     if found is None:
         ev.held.append(definition)
+        a = definition.args
+        own = {p.id for p in (*a.posonlyargs, *a.args, *a.kwonlyargs)}
         found = ev.mentioned[id(definition)] = frozenset(n.id for n in tree.walk(definition)
-                                                         if isinstance(n, tree.Name))
+                                                         if isinstance(n, tree.Name)) - own
     return found

@@ -33,7 +33,7 @@ from s2sad.evaluate.specialize.sparse.matrix_values import KINDS
 from s2sad.evaluate.specialize.unread_lists import without_unread_lists
 from s2sad.evaluate.specialize.sequences.constant_tables import with_tables
 from s2sad.evaluate.specialize.values import NONE, Data, FunctionValue, Reference, Value, alike, parts
-from s2sad.read.outside_values import UserFunctionValue
+from s2sad.read.outside_values import Captured, UserFunctionValue
 from s2sad.tree import AST
 
 DEEPEST = 40
@@ -60,6 +60,8 @@ class SeparateFunctions:
     underway: list[Any] = field(default_factory=list)
     trees: dict[int, list[tuple[Any, str]]] = field(default_factory=dict)
     acting: set[str] = field(default_factory=set)       # those that do more than to compute
+    derivatives: dict[Any, str] = field(default_factory=dict)
+    lambdas: dict[int, Captured] = field(default_factory=dict)      # as functions that are defined
 
 
 class _Again(Exception):
@@ -75,9 +77,16 @@ def separate_call(ev: Evaluator, function: FunctionValue, args: Sequence[Value],
                   node: AST, f: Frame) -> Value | None:
     """What a call of a function that stays one gives; None where it is written out."""
     wanted, ev.targets = ev.targets, ()
+    found = None if ev.inlines else separate_function(ev, function, args, keywords, node, f)
+    return None if found is None else _called(ev, *found, node, f, wanted)
+
+
+def separate_function(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywords: Mapping[str, Value],
+                      node: AST, f: Frame) -> tuple[Made, CallView] | None:
+    """The function that a call with these arguments calls, and what it sees; None where it cannot be one of its own."""
     definition: Any = function.captured.tree
     known = ev.separate = ev.separate or SeparateFunctions()
-    if ev.inlines or ev.evaluates_module or ev.depth > DEEPEST or id(definition) in known.inlined or not isinstance(
+    if ev.evaluates_module or ev.depth > DEEPEST or id(definition) in known.inlined or not isinstance(
             definition, tree.FunctionDef) or is_generator(definition) or definition.args.kwarg and keywords:
         return None
     given = arguments_of(ev, function, definition, args, keywords, node, f)
@@ -93,7 +102,7 @@ def separate_call(ev: Evaluator, function: FunctionValue, args: Sequence[Value],
             baked |= _make(ev, known, view, definition, node)
             continue
         made = known.made[view.key]
-        return None if made is None else _called(ev, made, view, node, f, wanted)
+        return None if made is None else (made, view)
 
 
 def _make(ev: Evaluator, known: SeparateFunctions, view: CallView, definition: Any, node: AST) -> set[str]:

@@ -12,16 +12,18 @@ from s2sad.evaluate.specialize.meanings import ResidualScope
 from s2sad.evaluate.specialize.separate.returned_parts import is_separate
 from s2sad.evaluate.specialize.values import FunctionValue
 from s2sad.naming import Names
+from s2sad.program import NestedDerivative
 from s2sad.read.outside_values import Captured
 from s2sad.tree import AST
 
 
 @dataclass(frozen=True)
 class SeparateFunction:
-    """A residual function beside the entry's, as reading takes it."""
+    """A residual function beside the entry's, as reading takes it; perhaps it stands for a derivative."""
     ev: Evaluator
     called: FunctionValue
     tree: Any
+    nested: NestedDerivative | None = None
 
     def captured(self) -> Captured:
         scope = ResidualScope(self.ev.outside, self.called.captured.scope)
@@ -43,7 +45,9 @@ def title_functions(ev: Evaluator, body: Sequence[AST], taken: Sequence[str]) ->
                 meaning: Any = ev.outside[n.func.id]
                 called, function = meaning.handle.called, meaning.handle.tree
                 owner = f"{called.owner.name}_" if called.owner is not None else ""
-                function.name = titles.numbered(f"{owner}{called.captured.name}")
+                nested = meaning.handle.nested
+                word = "" if nested is None else "_gradient" if nested.mode == "adjoint" else "_derivative"
+                function.name = titles.numbered(f"{owner}{called.captured.name}{word}")
                 ev.outside[n.func.id] = replace(meaning, name=function.name)
                 visit(function.body)
     visit(body)
