@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         gradient as gradient, jvp as jvp, make_zero as make_zero, value_and_gradient as value_and_gradient,
         vjp as vjp,
     )
+    from s2sad.interface.jax_names import grad as grad, value_and_grad as value_and_grad
     from s2sad.interface.loop_marks import timesteps as timesteps
     from s2sad.jacobians.compression_plan import Plan as Plan
     from s2sad.jacobians.jacobian import Jacobian as Jacobian, jacobian as jacobian
@@ -49,6 +50,7 @@ _HOMES = {
     "report.check": ("Checked", "check"),
     "report.explain": ("Explanation", "explain"),
     "run.memory": ("Memory",),
+    "interface.jax_names": ("grad", "value_and_grad"),
     "interface.loop_marks": ("timesteps",),
     "jacobians.compression_plan": ("Plan",),
     "jacobians.jacobian": ("Jacobian", "jacobian"),
@@ -62,8 +64,8 @@ __all__ = [
     "Active", "BatchDuplicated", "Bench", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed",
     "Explanation", "Forward", "ForwardWithPrimal", "Hessian", "Jacobian", "Memory", "Plan", "Reverse",
     "ReverseWithPrimal", "S2sadError", "S2sadWarning", "Snapshots", "Tape", "autodiff", "bench", "check", "clear",
-    "differentiate", "explain", "gradient", "hessian", "hvp", "jacobian", "jax", "jvp", "make_zero",
-    "nondifferentiable", "rule", "timesteps", "value_and_gradient", "vjp",
+    "differentiate", "explain", "grad", "gradient", "hessian", "hvp", "jacobian", "jax", "jvp", "make_zero",
+    "nondifferentiable", "rule", "timesteps", "value_and_grad", "value_and_gradient", "vjp",
 ]
 
 

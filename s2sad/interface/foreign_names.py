@@ -4,8 +4,8 @@ from __future__ import annotations
 from typing import NoReturn
 
 _FUNCTIONS = {
-    **dict.fromkeys(("grad", "derivative", "elementwise_grad"), 'write s2sad.gradient(f, wrt="x")'),
-    **dict.fromkeys(("value_and_grad", "grad_and_value", "val_grad"), 'write s2sad.value_and_gradient(f, wrt="x")'),
+    **dict.fromkeys(("derivative", "elementwise_grad"), 'write s2sad.gradient(f, wrt="x")'),
+    **dict.fromkeys(("grad_and_value", "val_grad"), 'write s2sad.value_and_gradient(f, wrt="x")'),
     **dict.fromkeys(("jac", "jacrev", "jacfwd", "jacobi"), 'write s2sad.jacobian(f, wrt="x")'),
     **dict.fromkeys(("hess",), 'write s2sad.hessian(f, wrt="x")'),
     **dict.fromkeys(("hessian_vector_product", "vhp"), 'write s2sad.hvp(f, args, {"x": v})'),

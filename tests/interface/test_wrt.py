@@ -158,13 +158,25 @@ def test_what_other_packages_call_it():
         with pytest.raises(TypeError, match="unexpected keyword argument 'blub'$"):
             call(weighted, blub=0)  # pyright: ignore[reportArgumentType]
     with pytest.raises(AttributeError) as missing:
-        getattr(s2sad, "grad")  # noqa: B009
-    assert str(missing.value) == "module 's2sad' has no attribute 'grad': write s2sad.gradient(f, wrt=\"x\")"
+        getattr(s2sad, "elementwise_grad")  # noqa: B009
+    assert str(missing.value) == (
+        "module 's2sad' has no attribute 'elementwise_grad': write s2sad.gradient(f, wrt=\"x\")")
     with pytest.raises(AttributeError, match="no attribute 'blub'$"):
         getattr(s2sad, "blub")  # noqa: B009
-    for name in ("value_and_grad", "jacrev", "hess", "vhp", "jit", "vmap", "custom_vjp", "stop_gradient"):
+    for name in ("grad_and_value", "jacrev", "hess", "vhp", "jit", "vmap", "custom_vjp", "stop_gradient"):
         with pytest.raises(AttributeError, match=f"no attribute '{name}': .{{20}}"):
             getattr(s2sad, name)
+
+
+def test_positions_as_in_jax():
+    same = gradient(weighted, wrt="x")(X, 2)
+    np.testing.assert_array_equal(s2sad.grad(weighted)(X, 2), same)
+    np.testing.assert_array_equal(s2sad.grad(weighted, argnums=-2)(X, 2), same)
+    (one,) = s2sad.grad(weighted, argnums=(0,))(X, 2)
+    np.testing.assert_array_equal(one, same)
+    value, (first, _) = s2sad.value_and_grad(weighted, argnums=(0, 1))(X, 2.0)
+    assert value == s2sad.value_and_grad(weighted)(X, 2)[0] == weighted(X, 2)
+    np.testing.assert_array_equal(first, same)
 
 
 def test_minimize_takes_a_value_and_a_gradient():

@@ -74,7 +74,7 @@ def finds_mistakes(u: Array) -> None:
     plain(u)                                    # pyright: ignore[reportCallIssue]
     Spring().pull("2.0")                        # pyright: ignore[reportArgumentType]
     s2sad.gradient(energy, argnums=0)           # pyright: ignore[reportArgumentType]
-    s2sad.grad(energy)  # pyright: ignore[reportAttributeAccessIssue, reportUnknownMemberType]
+    s2sad.grad(energy, wrt="u")                 # pyright: ignore[reportCallIssue]
     s2sad.gradient(3.0)                         # pyright: ignore[reportArgumentType]
 
 

@@ -35,6 +35,7 @@ from s2sad.tree import AST
 
 STANDARD = ("functools", "itertools", "operator", "collections", "copy", "sys", "os", "logging", "typing", "abc",
              "enum", "dataclasses", "contextlib", "warnings", "time", "heapq", "bisect")
+_CALLED = ("s2sad.interface.drivers", "s2sad.interface.jax_names", "s2sad.jacobians.second_order")
 _CONTEXT_MANAGER = contextlib.contextmanager(iter).__code__        # of what is decorated so
 
 
@@ -107,7 +108,7 @@ def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> 
 def _own(value: Any) -> str | None:
     """The path of a function of this package that is called in kernels."""
     home, name = getattr(value, "__module__", None), getattr(value, "__name__", "")
-    return f"s2sad.{name}" if home == "s2sad.interface.drivers" or home == "s2sad.jacobians.second_order" else None
+    return f"s2sad.{name}" if home in _CALLED else None
 
 
 def _derivative(ev: Evaluator, value: CalledDerivative, node: AST, f: Frame) -> LibraryValue:

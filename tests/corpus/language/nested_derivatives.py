@@ -90,6 +90,11 @@ def of_a_position(x, k):
     return np.sum(s2sad.gradient(by_arrays, 0)(x, k) ** 3)
 
 
+def as_in_jax(x, k):
+    value, f = s2sad.value_and_grad(energy)(x, k)
+    return np.sum(f * f) * s2sad.grad(energy, argnums=1)(x, k) + value
+
+
 def of_a_differentiated_one(x, k):
     return np.sum(s2sad.gradient(compiled_force, "x")(x, k) ** 2)
 
@@ -272,7 +277,7 @@ def with_options(x, k):
 def cases():
     both = [
         norm_of_forces, of_a_name, of_a_position, of_a_differentiated_one, value_too, of_a_number, of_both,
-        by_keywords, along, mixed, weighted, tangents, of_a_written_array, of_helpers, of_what_writes,
+        as_in_jax, by_keywords, along, mixed, weighted, tangents, of_a_written_array, of_helpers, of_what_writes,
         of_branches, of_matrices, in_a_branch, in_a_helper, third, argument_afterwards]
     for kernel in both:
         yield Case(kernel, (X.copy(), 1.3), ("x", "k"))

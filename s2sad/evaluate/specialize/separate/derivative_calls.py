@@ -17,7 +17,9 @@ from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
 from s2sad.evaluate.specialize.separate.separate_call import SeparateFunctions, separate_function
 from s2sad.evaluate.specialize.separate.separate_functions import SeparateFunction
-from s2sad.evaluate.specialize.values import NONE, Data, FunctionValue, LibraryValue, Reference, TupleValue, Value
+from s2sad.evaluate.specialize.values import (
+    NONE, Data, FunctionValue, LibraryValue, Reference, TupleValue, Value, constant,
+)
 from s2sad.naming import Names
 from s2sad.program import NestedDerivative
 from s2sad.read.outside_values import UserFunctionValue
@@ -55,6 +57,14 @@ def _callable(ev: Evaluator, path: str, args: Args, options: Options, node: AST)
     """A derivative that is called as its function is."""
     of, wrt = _arguments(ev, path.rpartition(".")[2], ("f", "wrt"), args, options, node)
     return LibraryValue(path, (of, wrt))
+
+
+@function("s2sad.grad", "s2sad.value_and_grad")
+def _by_position(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    """As JAX has it: of the first argument, if nothing is said."""
+    title = ev.called
+    of, positions = _arguments(ev, title, ("f", "argnums"), args, options, node)
+    return LibraryValue(f"s2sad.called.{title}ient", (of, constant(0) if positions is NONE else positions))
 
 
 @function("s2sad.called.gradient", "s2sad.called.value_and_gradient")
