@@ -28,7 +28,7 @@ from tests.harness.engines import running
 from tests.programs.given_objects import given, source
 
 X = np.array([0.3, 0.7, 1.1, 1.9])
-INVALID = (ArithmeticError, TypeError, IndexError, NameError, ValueError, KeyError, AttributeError)
+INVALID = (ArithmeticError, TypeError, IndexError, NameError, ValueError, KeyError, AttributeError, RecursionError)
 NUMBERS, NUMBER = (float, int, np.bool_), count()
 SAID = ("the value of autodiff", "the value", "left by autodiff", "after value_and_gradient",
         "the gradient along a direction", "the shadows along a direction")
