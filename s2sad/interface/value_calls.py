@@ -68,6 +68,10 @@ class PreparedCall:
             values[k] = private_copy(values[k])
         return values
 
+    def leave_uncopied(self, variant: Executable) -> None:
+        """Does not copy what the function writes and its derivative does not mention."""
+        self.written = [k for k in self.written if self.names[k] not in variant.generated.facts.get("unread", ())]
+
     def call(self, variant: Executable, values: Mapping[str, Any], shadows: Mapping[str, Any],
                seeds: Sequence[Any] = ()) -> tuple[Any, ...]:
         """Calls the derivative; the first time it is compiled."""
@@ -111,6 +115,8 @@ class ReverseCall(PreparedCall):
             raise misfit(f"no seed was given for '{name}'", "give a dict by output name, as {\"return\": 1.0}")
         self.of = selected_of(name, self.names, self.types, self.summary, outputs)
         self.rv = self.variant("adjoint", self.wrt, self.of, with_value)
+        if not self.rv.limited:         # else a call chooses among several
+            self.leave_uncopied(self.rv)
         self.seed_places = places([p.primal for p in self.rv.seeds])
         independent = self.rv.generated.facts.get("independent", ())
         self.in_vain = tuple(n for n in self.wrt if chosen is not None and n in independent)

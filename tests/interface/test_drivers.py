@@ -8,6 +8,7 @@ import pytest
 
 import s2sad
 from s2sad import S2sadWarning, gradient, jvp, make_zero, value_and_gradient, vjp
+from s2sad.interface import value_calls
 from tests.interface import kernels
 from tests.harness.refusals import refused
 
@@ -104,3 +105,25 @@ def test_the_seed_of_a_number_may_be_an_array_without_axes(engine):
     m = np.arange(6.0).reshape(2, 3)
     found = s2sad.vjp(s2sad.differentiate(contracted, engine=engine), (m,), {"return": np.array(2.0)})
     np.testing.assert_allclose(found["m"], 4.0 * m)
+
+
+def only_written(du, u):
+    for i in range(u.size):
+        du[i] = u[i] ** 2
+
+
+def read_as_well(du, u):
+    for i in range(u.size):
+        du[i] = u[i] * du[i]
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@pytest.mark.parametrize(("kernel", "copied"), [(only_written, 0), (read_as_well, 1)])
+def test_what_the_adjoint_does_not_mention_is_not_copied(kernel, copied, engine, monkeypatch):
+    made, before = [], value_calls.private_copy
+    monkeypatch.setattr(value_calls, "private_copy", lambda a: made.append(a) or before(a))
+    du, u = np.array([1.0, 2.0]), np.array([3.0, 4.0])
+    found = vjp(s2sad.differentiate(kernel, engine=engine), (du, u), {"du": np.ones(2)}, wrt="u")["u"]
+    np.testing.assert_array_equal(found, 2.0 * u if kernel is only_written else [1.0, 2.0])
+    np.testing.assert_array_equal(du, [1.0, 2.0])
+    assert len(made) == copied
