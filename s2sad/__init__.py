@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         Reverse as Reverse, ReverseWithPrimal as ReverseWithPrimal,
     )
     from s2sad.bridges.jax_functions import jax as jax
+    from s2sad.bridges.torch_functions import torch as torch
     from s2sad.interface.differentiate import (
         Differentiated as Differentiated, autodiff as autodiff, differentiate as differentiate,
     )
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 _HOMES = {
     "bridges.jax_functions": ("jax",),
+    "bridges.torch_functions": ("torch",),
     "interface.activities": ("Active", "BatchDuplicated", "Const", "Duplicated", "DuplicatedNoNeed", "Forward",
                              "ForwardWithPrimal", "Reverse", "ReverseWithPrimal"),
     "interface.differentiate": ("Differentiated", "autodiff", "differentiate"),
@@ -65,7 +67,7 @@ __all__ = [
     "Explanation", "Forward", "ForwardWithPrimal", "Hessian", "Jacobian", "Memory", "Plan", "Reverse",
     "ReverseWithPrimal", "S2sadError", "S2sadWarning", "Snapshots", "Tape", "autodiff", "bench", "check", "clear",
     "differentiate", "explain", "grad", "gradient", "hessian", "hvp", "jacobian", "jax", "jvp", "make_zero",
-    "nondifferentiable", "rule", "timesteps", "value_and_grad", "value_and_gradient", "vjp",
+    "nondifferentiable", "rule", "timesteps", "torch", "value_and_grad", "value_and_gradient", "vjp",
 ]
 
 

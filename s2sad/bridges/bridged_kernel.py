@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.dispatch.cache import ProgramVersion
+from s2sad.dispatch.cache import ProgramVersion, check_contiguous, private_copy
 from s2sad.dispatch.executable import Executable
 from s2sad.infer.types import Type
-from s2sad.interface.selection import RETURN, result_seed, selected_of, selected_wrt
+from s2sad.interface.selection import RETURN, number_seed, result_seed, selected_of, selected_wrt
 from s2sad.interface.value_calls import ForwardCall, PreparedCall, ReverseCall, selection_of
 from s2sad.program import Request
 
@@ -63,39 +63,53 @@ class BridgedKernel:
 
     def primal(self, values: Sequence[Any]) -> list[Any]:
         """The outputs."""
-        variant = self.request("primal")
-        copies = dict(zip(self.names, self.prepared.private_copies(values)))
+        copies = self._own(self.prepared, values)
+        variant: Executable | None = self._calls.get("primal")
+        first = variant is None
+        if variant is None:
+            variant = self._calls["primal"] = self.request("primal")
         arguments = variant.assemble(copies, {}, (), self.state.private_outside_arrays(self.types))
         variant.for_call(arguments)
-        if self._once("primal"):
+        if first:
             variant.prepare(arguments)
         returned = variant.call(*arguments)
         parts = returned if len(self.prepared.results.types) > 1 else (returned,)
         return [parts[o.place] if o.name == RETURN else copies[o.name] for o in self.outputs]
 
-    def _once(self, key: Any) -> bool:
-        first = key not in self._calls
-        self._calls[key] = True
-        return first
-
     def vjp(self, values: Sequence[Any], seeds: Sequence[Any], wrt: tuple[str, ...], of: tuple[str, ...]) -> list[Any]:
         """The adjoints of `wrt` for seeds of those outputs that are in `of`, in order."""
         call = self._call(ReverseCall, values, of, wrt)
-        copies = dict(zip(self.names, call.private_copies(values)))
+        copies = self._own(call, values)
         outputs = [o for o in self.outputs if o.name in of]
         given = {o.name: seed for o, seed in zip(outputs, seeds) if o.name != RETURN}
         own = {o.place: result_seed(seed, o.type) for o, seed in zip(outputs, seeds) if o.name == RETURN}
         shadows = {n: np.array(given[n]) if n in given else np.zeros_like(copies[n]) for n in call.rv.shadows}
         returned = call.call(call.rv, copies, shadows, [own[k] for k in call.seed_places])
-        scalars = dict(zip(call.rv.generated.returns, returned))
-        return [shadows[n] if n in shadows else scalars[n] for n in wrt]
+        found = call.by_argument(shadows, returned)
+        return [found[n] for n in wrt]
 
     def jvp(self, values: Sequence[Any], tangents: Mapping[str, Any]) -> list[Any]:
         """The tangents of the outputs."""
         call = self._call(ForwardCall, values, tuple(tangents), self.of)
-        copies, shadows = call.bind_values(values, tangents)
+        copies = self._own(call, values)
+        shadows = {n: self._tangent(copies[n], tangents.get(n)) for n in call.fv.shadows}
         returned = dict(zip(call.fv.generated.returns, call.call(call.fv, copies, shadows)))
         return [returned.get(f"{RETURN} {o.place}", 0.0) if o.name == RETURN else shadows[o.name] for o in self.outputs]
+
+    def _own(self, call: PreparedCall, values: Sequence[Any]) -> dict[str, Any]:
+        """The values by name, with copies of what the kernel writes: one array may be given twice."""
+        found = call.values_of(values)
+        for k in call.written:
+            found[k] = private_copy(found[k])
+        by_name = dict(zip(self.names, found))
+        check_contiguous(call.summary, by_name)
+        return by_name
+
+    @staticmethod
+    def _tangent(value: Any, tangent: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            return np.zeros_like(value) if tangent is None else private_copy(tangent)
+        return number_seed(tangent, is_complex=isinstance(value, complex))
 
     def _call(self, kind: Callable[..., Any], values: Sequence[Any], *names: tuple[str, ...]) -> Any:
         key = kind, names

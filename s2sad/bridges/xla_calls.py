@@ -6,6 +6,7 @@ long as the process.
 from __future__ import annotations
 
 import hashlib
+import re
 import uuid
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -20,7 +21,6 @@ from s2sad.bridges.xla_frames import Layout, address, capsule, python_handler
 from s2sad.bridges.xla_handlers import HandlerText, compiled_handler
 from s2sad.extras import needed
 
-_VERSION = "#define XLA_FFI_API_MAJOR 0"
 _KEPT: dict[str, Any] = {}
 
 
@@ -38,13 +38,15 @@ class Operand:
 
 
 @cache
-def has_handlers() -> bool:
-    """Whether XLA calls handlers of the version whose layout `xla_frames` knows."""
+def minor_version() -> int | None:
+    """The minor version of XLA's API for handlers, None where there is none with the layout that `xla_frames` knows."""
     ffi = getattr(needed("jax", "s2sad.jax"), "ffi", None)
     try:
-        return ffi is not None and _VERSION in (Path(ffi.include_dir()) / "xla/ffi/api/c_api.h").read_text()
+        header = (Path(ffi.include_dir()) / "xla/ffi/api/c_api.h").read_text() if ffi is not None else ""
     except OSError:
-        return False
+        return None
+    found = re.search(r"^#define XLA_FFI_API_MAJOR 0$.*^#define XLA_FFI_API_MINOR (\d+)$", header, re.M | re.S)
+    return None if found is None else int(found[1])
 
 
 class XlaCall:
@@ -109,7 +111,9 @@ class XlaCall:
         return made.text(self.given, self.made)
 
     def _register(self, name: str, text: str) -> Any:
-        handler = python_handler(self.run, self.given, self.made)
+        minor = minor_version()
+        assert minor is not None
+        handler = python_handler(self.run, self.given, self.made, minor)
         compiled = text and compiled_handler(
             text, getattr(self.variant.module, self.variant.generated.entry), handler, self._flag)
         start = compiled.address if compiled else address(handler)
@@ -129,7 +133,7 @@ class XlaCall:
 
         def by_callback(*arrays: Any) -> Any:
             return jax.pure_callback(called, results, *arrays, vmap_method="sequential")
-        if not has_handlers():
+        if minor_version() is None:
             return tuple(by_callback(*arrays))
         by_handler = jax.ffi.ffi_call(self.target, results, vmap_method="sequential")
         return tuple(jax.lax.platform_dependent(*arrays, cpu=by_handler, default=by_callback))

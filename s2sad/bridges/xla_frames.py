@@ -16,7 +16,7 @@ import numpy as np
 EXTENSION, API, ARGUMENTS, RESULTS, LENGTH = 1, 2, 9, 14, 15        # of a frame
 DATA, DIMENSIONS = 3, 5                                             # of a buffer
 _METADATA, _VERSION_OF_METADATA, _TRAITS = 3, 3, 4                  # of what asks, and of what answers
-_VERSION, _ERROR_CREATE = 4, 6                                      # of the API
+_ERROR_CREATE = 6                                                   # of the API
 _INVALID_ARGUMENT = 3
 _HANDLER = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)
 
@@ -29,13 +29,13 @@ class _Error(ctypes.Structure):
                 ("code", ctypes.c_int))
 
 
-def python_handler(run: Run, given: Sequence[Layout], made: Sequence[Layout]) -> Any:
+def python_handler(run: Run, given: Sequence[Layout], made: Sequence[Layout], minor: int) -> Any:
     """A handler, as ctypes calls it, that has `run` read arrays of these dtypes and ranks and fill others. What `run`
-    raises becomes XLA's error."""
+    raises becomes XLA's error. It is for the API's version 0 with this `minor` one."""
     def handler(frame: int) -> int | None:
         held = _words(frame, LENGTH)
         if held[EXTENSION]:
-            return _introduce(held)
+            return _introduce(held, minor)
         try:
             run([_array(b, *kind) for b, kind in zip(_words(held[ARGUMENTS], len(given)), given)],
                 [_array(b, *kind) for b, kind in zip(_words(held[RESULTS], len(made)), made)])
@@ -58,10 +58,10 @@ def _array(buffer: int, dtype: np.dtype, rank: int) -> np.ndarray:
     return np.ndarray(shape, dtype, memory)
 
 
-def _introduce(held: Any) -> None:
-    """Says that the handler is of the API's own version."""
+def _introduce(held: Any, minor: int) -> None:
+    """Says of which version the handler is: two integers in one word."""
     metadata = _words(_words(held[EXTENSION], 4)[_METADATA], 5)
-    metadata[_VERSION_OF_METADATA] = _words(held[API], 5)[_VERSION]
+    metadata[_VERSION_OF_METADATA] = minor << 32
     metadata[_TRAITS] = 0
 
 

@@ -19,6 +19,7 @@ _FUNCTIONS = {
     **dict.fromkeys(("linearize", "pushforward", "forward"), "write s2sad.jvp(f, args, tangents)"),
     **dict.fromkeys(("pullback", "backward", "reverse"), "write s2sad.vjp(f, args, seeds)"),
     **dict.fromkeys(("pure_callback", "jax_callable", "to_jax", "as_jax"), "write s2sad.jax(f)"),
+    **dict.fromkeys(("to_torch", "as_torch", "pytorch", "Function"), "write s2sad.torch(f)"),
     **dict.fromkeys(("numpy", "np"), "import numpy: kernels are written with NumPy itself"),
 }
 _KEYWORDS = {

@@ -149,9 +149,13 @@ class ReverseCall(PreparedCall):
         return self.rv.memory(by_name, sum(by_name[n].nbytes for n in copied))
 
     def gradients(self, shadows: dict[str, Any], returned: tuple[Any, ...]) -> dict[str, Any]:
-        scalars = dict(zip(self.rv.generated.returns, returned))
         for name in self.in_vain:
             warn(f"no output asked for of '{self.state.kernel.name}' depends on '{name}': its gradient is zero")
+        return self.by_argument(shadows, returned)
+
+    def by_argument(self, shadows: dict[str, Any], returned: tuple[Any, ...]) -> dict[str, Any]:
+        """The gradients, those of arrays in their shadows, those of numbers among what is returned."""
+        scalars = dict(zip(self.rv.generated.returns, returned))
         return {name: shadows[name] if name in shadows else scalars[name] for name in self.wrt}
 
     def vjp(self, args: Sequence[Any], seeds: Mapping[str, Any]) -> dict[str, Any]:

@@ -7,14 +7,16 @@ import sys
 import pytest
 
 import s2sad
+from s2sad.bridges import torch_steps
 from s2sad.diagnostics import S2sadError
 from s2sad.extras import absent, needed
 from tests.harness.documents import environment
 
 
-@pytest.mark.parametrize("package, title", [("jax", "JAX")])
+@pytest.mark.parametrize("package, title", [("jax", "JAX"), ("torch", "PyTorch")])
 def test_a_bridge_names_its_extra(package, title, monkeypatch):
     monkeypatch.setitem(sys.modules, package, None)
+    torch_steps.library.cache_clear()
     with pytest.raises(S2sadError) as caught:
         getattr(s2sad, package)(lambda x: x)
     assert str(caught.value) == (f"error[S405]: s2sad.{package} needs {title}, which is not installed\n"
@@ -29,7 +31,7 @@ def test_what_to_do_otherwise_is_said():
 
 
 def test_no_bridge_is_loaded_before_it_is_used():
-    script = ("import s2sad, sys; s2sad.jax, s2sad.gradient; "
+    script = ("import s2sad, sys; s2sad.jax, s2sad.torch; "
               "print([m for m in ('jax', 'torch', 'casadi') if m in sys.modules])")
     done = subprocess.run([sys.executable, "-c", script], env=environment(), text=True, capture_output=True, check=True)
     assert done.stdout == "[]\n"
