@@ -2,6 +2,7 @@
 """
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import replace
 from typing import Any
 
@@ -214,9 +215,10 @@ def augmented_assign(ev: Evaluator, s: Any, f: Frame) -> None:
     if isinstance(s.target, tree.Name):
         read = tree.at(tree.name(s.target.id), s.target)
         old, value = ev.values([read, s.value], f)
-        new = in_place(ev, old, value, s, f, s.target.id)
-        if new is not None:
-            bind(ev, f, s.target.id, new, s)
+        still = _holds(ev, (holder_of(ev, f, s.target.id), s.target.id), old)
+        new = in_place(ev, old, value, s, f, s.target.id, still)
+        if new is not None or not still:
+            bind(ev, f, s.target.id, old if new is None else new, s)
         return
     base, key = place_of(ev, s.target, f)
     base = ev.indexed(base, s)
@@ -225,14 +227,37 @@ def augmented_assign(ev: Evaluator, s: Any, f: Frame) -> None:
         return
     old = ev.attribute_of(base, key, s.target, f) if isinstance(key, str) else ev.item_of(base, key, s.target, f)
     at, rebound, effects = len(ev.block), len(ev.rebound), ev.effects
+    slot = _slot(ev, base, key, old)
     value = ev.value(s.value, f)
     if ev.effects > effects:
         old = ev.held_at(old, at, {*ev.rebound[rebound:]}, s)
+    still = slot is not None and _holds(ev, slot, old)
     label = ev.heap[base].label if isinstance(base, Reference) else ""
     wanted = str(key) if isinstance(key, str) else "item"
-    new = in_place(ev, old, value, s, f, f"{label}_{wanted}" if label else wanted)
-    if new is not None or _stores_otherwise(ev, base, key, s, f):
+    new = in_place(ev, old, value, s, f, f"{label}_{wanted}" if label else wanted, still)
+    if new is not None or slot is not None and not still or _stores_otherwise(ev, base, key, s, f):
         assign_to(ev, base, key, old if new is None else new, s, f)
+
+
+Slot = tuple[Reference, Hashable]
+
+
+def _slot(ev: Evaluator, base: Value, key: Any, old: Value) -> Slot | None:
+    """The slot that a target is, which holds this; None where what it gives comes from elsewhere, as by a property."""
+    if not isinstance(base, Reference):
+        return None
+    items, place = ev.heap[base].items, key.known if isinstance(key, Data) and key.is_known else key
+    if ev.heap[base].kind == "list" and type(place) is int and place < 0:
+        place += len(items)
+    found: Slot = base, place
+    return found if isinstance(place, Hashable) and _holds(ev, found, old) else None
+
+
+def _holds(ev: Evaluator, slot: Slot, value: Value) -> bool:
+    """Whether a slot holds a value, no other that is computed alike."""
+    held = ev.heap[slot[0]].items.get(slot[1])
+    return held is value or isinstance(held, Reference) and held == value or isinstance(held, Data) and isinstance(
+        value, Data) and bool(held.name) and held.name == value.name
 
 
 def _augmented_part(ev: Evaluator, s: Any, base: Any, key: Any, f: Frame) -> None:
@@ -304,8 +329,9 @@ def _is_list(ev: Evaluator, value: Value) -> bool:
     return isinstance(value, Reference) and ev.heap[value].kind == "list"
 
 
-def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: str) -> Value | None:
-    """What `old op= value` leaves: an array keeps being the one that it is. None where the target is the same still."""
+def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: str, still: bool) -> Value | None:
+    """What `old op= value` leaves: an array keeps being the one that it is. None where that is what was there before;
+    a number's name is bound anew where the target holds it `still`, and nothing else does."""
     if is_sparse(old, ev.heap):
         return ev.matrix_in_place(s.op, old, value, s)
     if isinstance(old, Reference):
@@ -325,7 +351,7 @@ def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: 
     if old.name and old.shape:      # an array under a name of its own
         ev.emit(tree.augment(tree.copy(old.node), s.op, ev.spelled(value, s)), s, True)
         return None
-    if not ev.owns(old.name):
+    if not still or not ev.owns(old.name):
         new = ev.fresh(wanted)
         ev.emit(tree.assign(new, old.node), s)
         old = replace(old, node=tree.at(tree.name(new), s), known=UNKNOWN)
