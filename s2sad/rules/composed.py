@@ -76,7 +76,7 @@ for _text in (
         "numpy.polyfit(x, y, deg)", "numpy.polyder(p)", "numpy.polyint(p)", "numpy.polymul(a, b)",
         "numpy.geomspace(start, stop, num=50, endpoint=True)",
         # arrays of numbers
-        "numpy.tri(N, M=None, k=0)", "numpy.eye(N, M=None, k=0, dtype=numpy.float64)",
+        "numpy.tri(N, M=None, k=0, dtype=numpy.float64)", "numpy.eye(N, M=None, k=0, dtype=numpy.float64)",
         "numpy.identity(n, dtype=numpy.float64)",
         *(f"numpy.{_window}(M)" for _window in ("hanning", "hamming", "blackman", "bartlett")),
         "numpy.linspace(start, stop, num=50, endpoint=True)",

@@ -255,14 +255,16 @@ class Evaluator(Operations):
             return replace(found, node=tree.at(tree.name(found.name), node))
         return found
 
-    def values(self, nodes: Sequence[AST], f: Frame, carries: bool = False) -> list[Value]:
+    def values(self, nodes: Sequence[AST], f: Frame, carries: bool = False,
+               taken: Callable[[Value], int | None] = lambda first: None) -> list[Value]:
         """Operands from left to right, starred ones as tuples of their items; one that a later one's effects may change
-        is held before them. They may be choices where they are carried along."""
+        is held before them. They may be choices where they are carried along. `taken` says how many items a starred
+        one must have, by the first operand."""
         evaluated = self.carried if carries else self.value
         found: list[Value] = []
         marks: list[tuple[int, int, int]] = []
         for node in nodes:
-            found.append(TupleValue(tuple(self.items_of(self.value(node.value, f), node, f))) if isinstance(
+            found.append(TupleValue(tuple(self.starred_items(node, f, lambda: taken(found[0])))) if isinstance(
                 node, tree.Starred) else evaluated(node, f))
             marks.append((len(self.block), self.effects, len(self.rebound)))
         for k in reversed(range(len(found))):
@@ -270,6 +272,18 @@ class Evaluator(Operations):
             if self.effects > effects:
                 found[k] = self.held_at(found[k], at, {*self.rebound[rebound:]}, nodes[k])
         return found
+
+    def starred_items(self, node: Any, f: Frame, taken: Callable[[], int | None]) -> list[Value]:
+        """The items of a starred operand; of an array whose length nothing says as many as are taken."""
+        value = self.value(node.value, f)
+        shape = self.shape_of(value)
+        told = not isinstance(value, Data) or value.is_known or value.count is not None or (
+            shape.is_known or shape.demands)
+        count = None if told else taken()
+        if count is None or not isinstance(value, Data):
+            return self.items_of(value, node, f)
+        whole = self.named(value, "unpacked", node)
+        return [self.item_of(whole, constant(k), node, f) for k in range(count)]
 
     def held_at(self, value: Value, at: int, rebound: set[str], origin: AST) -> Value:
         """A value as it was at an earlier place of the block."""

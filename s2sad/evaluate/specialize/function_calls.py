@@ -36,7 +36,8 @@ def call_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
     if isinstance(node.func, tree.Name) and node.func.id == "super" and not node.args:
         return _super(ev, node, f)
     targets, ev.targets = ev.targets, ()
-    function, *values = ev.values([node.func, *node.args, *(k.value for k in node.keywords)], f, carries=True)
+    function, *values = ev.values([node.func, *node.args, *(k.value for k in node.keywords)], f, carries=True,
+                                  taken=lambda called: _items_taken(called, node))
     if not _takes_choices(ev, function):
         for n, v in zip((node.func, *node.args, *node.keywords), (function, *values)):
             ev.one(v, n)
@@ -46,6 +47,18 @@ def call_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
         keywords |= {k.arg: v} if k.arg else {str(key): i for key, i in ev.dict_items(v, node, f).items()}
     ev.targets = targets if isinstance(function, FunctionValue) else ()
     return call(ev, function, args, keywords, node, f)
+
+
+def _items_taken(function: Value, node: Any) -> int | None:
+    """How many items the one starred argument of a call has: what the other arguments leave of the parameters."""
+    if not isinstance(function, FunctionValue) or function.captured is None or function.keywords:
+        return None
+    spelled = function.captured.tree.args
+    starred = sum(isinstance(a, tree.Starred) for a in node.args)
+    open_ended = spelled.defaults or spelled.vararg or spelled.kwonlyargs or not all(k.arg for k in node.keywords)
+    if starred != 1 or open_ended:
+        return None
+    return max(len(spelled.args) - len(function.first) - (len(node.args) - 1) - len(node.keywords), 0)
 
 
 def _takes_choices(ev: Evaluator, function: Value) -> bool:

@@ -18,7 +18,7 @@ from s2sad.normalize.context import NormalContext
 from s2sad.rules import bound, find_array
 from s2sad.tree import AST, Attribute, Call, FunctionDef, at, call, call_name, keyword, name, rebuild, with_body
 
-_CONVERTING = ("numpy.astype", "numpy.arange", "numpy.eye", "numpy.identity", "numpy.linspace")
+_CONVERTING = ("numpy.astype", "numpy.arange", "numpy.eye", "numpy.tri", "numpy.identity", "numpy.linspace")
 _KNOWN = {"bool": "numpy.bool_", **{d: f"numpy.{d}" for d in ("int32", "int64", "float32", "float64", "complex128")}}
 
 

@@ -19,7 +19,7 @@ from s2sad.infer.signatures.laws import whole_number
 from s2sad.rules.composed import WRITING
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Constant, List, Mult, Slice, Tuple, at, call, call_name, const, index, keyword,
-    negate, tuple_of,
+    negate, tuple_of, walk,
 )
 
 _NEUTRAL_ELEMENT = {"numpy.sum": 0, "numpy.prod": 1}
@@ -46,6 +46,8 @@ def option_spellings(node: Call) -> AST | None:
         return Call(node.func, node.args[:-1], [*node.keywords, order])
     if called == "numpy.copy" and "subok" in options and not _is_true(options["subok"]):
         return _without(node, ("subok",), node.args[0])
+    if called == "numpy.pad":
+        return _padded_with_one(node)
     if called in _NEUTRAL_ELEMENT:
         return _masked_reduction(node, called, options)
     if called in _LAID_OUT:
@@ -79,6 +81,16 @@ def _astype(node: Call, options: dict[str, AST], copied: object) -> AST | None:
     if copied:
         return _without(node, ("copy",), node.args[0])
     return call("numpy.asarray", node.args[0], dtype=dtype) if set(options) <= {"dtype", "copy"} else None
+
+
+def _padded_with_one(node: Call) -> AST | None:
+    """`np.pad` whose constants for the sides are one number."""
+    given = next((k.value for k in node.keywords if k.arg == "constant_values"), None)
+    numbers = [] if given is None else [n for n in walk(given) if not isinstance(n, (Tuple, List))]
+    one = isinstance(given, (Tuple, List)) and all(isinstance(n, Constant) for n in numbers) and len(
+        {n.value for n in numbers}) == 1
+    return Call(node.func, node.args, [keyword(k.arg, numbers[0] if k.value is given else k.value)
+                                       for k in node.keywords]) if one else None
 
 
 def _masked_reduction(node: Call, called: str, options: dict[str, AST]) -> AST | None:

@@ -23,6 +23,7 @@ Args = list[Value]
 Options = dict[str, Value]
 Known = Callable[[Evaluator, Args, Options, AST, Frame], "Value | None"]
 FUNCTIONS: dict[str, Known] = {}
+_MOST_SECTIONS = 16     # of which each is an expression of its own
 _STOPPING = ("builtins.any", "builtins.all", "builtins.next")       # go no further than the first item that decides
 
 
@@ -145,6 +146,20 @@ def _as_array(ev: Evaluator, path: str, value: Value, node: AST, f: Frame) -> Va
     if lazy and not (path.startswith("builtins.") and ev.stays_one(value)):
         return ev.listed(value, node, f)
     return value
+
+
+@function("numpy.split", "numpy.array_split", "numpy.hsplit", "numpy.vsplit")
+def _sections(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
+    """A list of as many parts as are asked for, where their number is known."""
+    given = args[1] if len(args) > 1 else options.get("indices_or_sections")
+    ends = given.items if isinstance(given, TupleValue) else ev.sequence_items(given) if isinstance(
+        given, Reference) and ev.is_spelled_out(given) else None
+    count = len(ends) + 1 if ends is not None else given.known if isinstance(given, Data) else None
+    if type(count) is not int or not 0 < count <= _MOST_SECTIONS:
+        return None
+    called = tree.at(tree.name(ev.library(f"numpy.{ev.called}")), node)
+    whole = ev.named(ev.residual_call(called, args, options, node), "sections", node)
+    return ev.list_of([ev.item_of(whole, constant(k), node, f) for k in range(count)], node)
 
 
 @function("numpy.ix_")

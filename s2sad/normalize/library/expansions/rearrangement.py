@@ -208,16 +208,20 @@ def _triangle(args: CallArguments, kept: str, first: str) -> str:
 
 def _tri(args: CallArguments) -> str:
     columns = "M" if args.has("M") else "N"
-    return lines(f"result = {zeros(['N', columns], 'float64')}", "for row in range(N):",
-                 f"    bound = max(0, min(row + k + 1, {columns}))", "    result[row, :bound] = 1.0")
+    dtype = astype_dtype(args.arguments)
+    return lines(f"result = {zeros(['N', columns], dtype)}", "for row in range(N):",
+                 f"    bound = max(0, min(row + k + 1, {columns}))", f"    result[row, :bound] = {_one(dtype)}")
 
 
 def _eye(args: CallArguments) -> str:
     columns = "M" if args.has("M") else "N"
     dtype = astype_dtype(args.arguments)
-    one = {"bool": "True", "int64": "1", "int32": "1"}.get(dtype, "1.0")
-    return lines(f"result = {zeros(['N', columns], dtype)}",
-                 f"for place in range(max(0, -k), min(N, {columns} - k)):", f"    result[place, place + k] = {one}")
+    return lines(f"result = {zeros(['N', columns], dtype)}", f"for place in range(max(0, -k), min(N, {columns} - k)):",
+                 f"    result[place, place + k] = {_one(dtype)}")
+
+
+def _one(dtype: str) -> str:
+    return {"bool": "True", "int64": "1", "int32": "1"}.get(dtype, "1.0")
 
 
 def _identity(args: CallArguments) -> str:
