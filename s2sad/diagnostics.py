@@ -39,6 +39,7 @@ CODES = {
     "S408": "checkpoint names what is no loop, or one that cannot keep snapshots",
     "S409": "a tape that cannot be used",
     "S410": "a derivative takes more memory than there is, or than it may",
+    "S411": "a derivative for one direction at a time",
     # S5: while the kernel runs
     "S501": "values that do not fit each other, as sizes of arrays",
     # S9: ourselves

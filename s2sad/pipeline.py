@@ -22,7 +22,8 @@ from s2sad.analyze.request import DerivativeRequest
 from s2sad.differentiate.augmented_primal import with_tape
 from s2sad.optimize.reusable_tape import ReusableTape, reusable_tape
 from s2sad.emit.line_table import line_table
-from s2sad.emit.dialect import in_dialect
+from s2sad.optimize.directions import OneByOne, for_directions
+from s2sad.emit.dialect import in_dialect, types_of
 from s2sad.emit.header import documented, header, with_docstring
 from s2sad.emit.module import module
 from s2sad.emit.origins import with_origins
@@ -118,7 +119,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         """The function of a derivative, or the two of its sweeps."""
         plain = request.level != "fast" or d.function.name in sharing
         if d.forward is None:
-            return (d.function if plain else fast(d, units),)
+            return (d.function if plain else fast(d, units, not request.width),)
         return (d.forward, d.function) if plain else fast_sweeps(d, units)
     functions = primal_functions(units, kernels_called(made, units))
     if request.level == "fast" and request.engine == "numba":       # steps that run again are most of what runs
@@ -130,7 +131,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         sources += [d.unit.kernel.source] * len(more)
     *first, entered = final(derived)
     functions += first
-    kept = with_caller_tape(derived, entered, units) if request.level == "fast" else None
+    kept = with_caller_tape(derived, entered, units) if request.level == "fast" and not request.width else None
     if kept is None:
         functions.append(with_origins(entered, unit.kernel.source))
     else:
@@ -138,6 +139,8 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
                       kept.public]
         found |= {"taped": kept.taped.name, "stacks": kept.stacks}
     functions = in_dialect(functions, units)
+    if request.width:
+        functions = with_directions(functions, derived, request, units)
     if derived.forward is not None:
         title = Names(derived.types).fresh("tape")
         functions[-2:] = with_tape(functions[-2], functions[-1], len(unit.summary.results), derived.tape, title)
@@ -155,6 +158,34 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
                                  hidden_name(p, units.program), derived.types[n])
                        for n, role, p in derived.made.parameters if role != "tape")
     return Generated(printed.text, derived.function.name, parameters, tuple(derived.made.returns), found)
+
+
+def with_directions(functions: list[FunctionDef], derived: UnitDerivative, request: Request, units: Units
+                    ) -> list[FunctionDef]:
+    """The functions of a module for many directions; raises S2sadError (S411) where it has to be one at a time."""
+    owners = [d.unit.kernel for d in units.derived.values() if d.unit.kernel.own is not None or d.unit.kernel.residual]
+    given = [n for n, role, _ in derived.made.parameters if role in ("shadow", "seed")]
+    results = [t for r in derived.made.returns for t in result_types(r, derived)]
+    types = types_of(units)
+    for d in units.derived.values():
+        types |= {f.name: {**types[f.name], **d.made.coalesced} for f in d.functions}
+    try:
+        if owners:
+            raise OneByOne(f"'{owners[0].name}' has a derivative of its own")
+        return for_directions(functions, derived.function.name, given, types, request.engine, request.width,
+                              results)
+    except OneByOne as why:
+        raise S2sadError(Diagnostic("S411", f"'{derived.unit.kernel.name}' is differentiated for one direction at a "
+                                    "time", note=str(why))) from None
+
+
+def result_types(returned: str, derived: UnitDerivative) -> tuple[Type, ...]:
+    """The types of what a derivative returns under a name."""
+    results = derived.unit.summary.results
+    if returned == "result":
+        return results
+    place = returned.removeprefix("return ")
+    return (results[int(place)] if place != returned else derived.types[returned],)
 
 
 def of_callee(d: UnitDerivative, *made: FunctionDef) -> list[FunctionDef]:

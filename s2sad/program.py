@@ -233,6 +233,7 @@ class Request:
     `wrt` and `of` are names of parameters; `of` may hold "return". `engine` is "numpy" or "numba", `level`
     "plain" or "fast". `with_primal` also returns the primal's result. `assumed` has a reason for every parameter whose
     type is an assumption; `recording` is an adjoint's. With `split` the two sweeps of the adjoint are two functions.
+    With a `width` it is for that many directions at once, under NumPy for any number.
     """
     mode: str
     types: tuple[Type, ...]
@@ -245,6 +246,7 @@ class Request:
     assumed: tuple[tuple[str, str], ...] = ()
     recording: Recording = Recording()
     split: bool = False
+    width: int = 0
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from s2sad.dispatch.arguments import float_parameters, types as types_of
 from s2sad.run.compiler_lock import COMPILER_LOCK
 from s2sad.dispatch.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError, WaitingForFacts
-from s2sad.dispatch.executable import HIDDEN, Executable
+from s2sad.dispatch.executable import Executable, HIDDEN, ManyDirections
 from s2sad.dispatch.index_check import IndexCheck
 from s2sad.dispatch.limited_memory import LimitedMemory
 from s2sad.dispatch.split_executable import SplitExecutable
@@ -268,14 +268,14 @@ class ProgramVersion:
         with COMPILER_LOCK:
             if key not in self._variants:
                 request = Request(request.mode, request.types, request.wrt, request.of, engine, "fast",
-                                  request.with_primal, split=request.split,
+                                  request.with_primal, split=request.split, width=request.width,
                                   recording=recording.keeping(recording.loops))
                 generated = artifacts.load_generated(self.reading.address, request)
                 if generated is None:
                     with Working(f"deriving the {request.mode} of '{self.kernel.name}'"):
                         generated = compiler().derived(self.program, request, self._forms)
                     artifacts.store_generated(self._address, request, generated)
-                loaded = SplitExecutable if request.split else Executable
+                loaded = SplitExecutable if request.split else ManyDirections if request.width else Executable
                 summary = self.summary(request.types)
                 made = self._variants[key] = loaded(generated, engine, summary, self.kernel.name, self.registered,
                                                     self.function)

@@ -70,6 +70,7 @@ class Executable:
     bounds."""
     limited: LimitedMemory | None = None
     check_indices: IndexCheck | None = None
+    unrolled = False        # whether vectors are made of what LLVM has written out
 
     def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
                  registered: tuple[RegisteredRule, ...] = (), function: FunctionType | None = None):
@@ -81,7 +82,7 @@ class Executable:
         facts = generated.facts
         entries = [facts[k] for k in ("taped", "forward") if facts.get(k)] + [generated.entry]
         module = (compiled(generated.text, generated.entry, plain=plain, user_functions=moving, guards=guards,
-                           entries=entries)
+                           entries=entries, unrolled=self.unrolled)
                   if engine == "numba" else load(generated.text, generated.entry, own=bool(registered), guards=guards))
         self.failures = ExceptionMeanings(generated.facts, str(module.__file__), kernel)
         keep_loaded(module, self)
@@ -232,3 +233,14 @@ class Executable:
         for place in shared:
             arguments[place][...] += own[place]
         return returned
+
+
+class ManyDirections(Executable):
+    """A derivative for many directions at once: what it returns has their axis."""
+    unrolled = True
+
+    def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
+                 registered: tuple[RegisteredRule, ...] = (), function: FunctionType | None = None):
+        super().__init__(generated, engine, summary, kernel, registered, function)
+        self._kinds = [as_it_is] * len(generated.returns)
+        self.check_memory = _fits

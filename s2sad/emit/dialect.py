@@ -11,6 +11,7 @@ from __future__ import annotations
 from s2sad import rules, tree
 from s2sad.emit.bind_before_loops import bind_before_loops
 from s2sad.emit.numpy_scalars import numpy_scalars
+from s2sad.infer.types import Type
 from s2sad.rules.transforms import TRANSFORMS
 from s2sad.tree import AST, BinOp, Call, Div, FunctionDef, attribute, call, call_name, const, copy, rebuild
 from s2sad.units import Units
@@ -33,10 +34,14 @@ def in_dialect(functions: list[FunctionDef], units: Units) -> list[FunctionDef]:
         primals = {title: u.lowered_types for title, u in units.titled.items()}
         made = map(for_numba, functions)        # derivatives come of normal form, which binds what it reads
         return [bind_before_loops(f, primals[f.name]) if f.name in primals else f for f in made]
+    return numpy_scalars(functions, types_of(units), units.program.constants)
+
+
+def types_of(units: Units) -> dict[str, dict[str, Type]]:
+    """The types of names, by function."""
     types = {f.name: d.types for d in units.derived.values() for f in d.functions}
-    types |= {title: {**u.typing.table, **dict(zip((p.id for p in u.lowered.args.args), u.types))}
-              for title, u in units.titled.items()}
-    return numpy_scalars(functions, types, units.program.constants)
+    return types | {title: {**u.typing.table, **dict(zip((p.id for p in u.lowered.args.args), u.types))}
+                    for title, u in units.titled.items()}
 
 
 def for_numba(function: FunctionDef) -> FunctionDef:

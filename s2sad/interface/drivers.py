@@ -9,6 +9,7 @@ import numpy as np
 
 from s2sad.dispatch.arguments import kernel_value, bind, describe, make_zero
 from s2sad.diagnostics import Diagnostic, S2sadError
+from s2sad.interface import batch_calls
 from s2sad.interface.recording_arguments import Checkpoint, recording_of
 from s2sad.interface.foreign_names import unexpected_keywords
 from s2sad.interface.pytrees import Carrier, flat_drivers as with_structures, flatten
@@ -168,14 +169,15 @@ def _with_floats(state: ProgramVersion, names: tuple[str, ...] | None, args: tup
 
 @public
 def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wrt: Wrt = None,
-        checkpoint: Checkpoint = None, memory: Economy | None = None, tape_dtype: TapeDtype | None = None
-        ) -> dict[str, Any]:
+        checkpoint: Checkpoint = None, memory: Economy | None = None, tape_dtype: TapeDtype | None = None, *,
+        batch: bool = False) -> dict[str, Any]:
     """The gradients, by argument name, of the outputs weighted by `seeds`, at the arguments' entry values.
 
     Args: args, all of f's positional arguments; seeds by output name: a written argument's name (an array of its
     shape and dtype: weights of its final content) or "return" (a float, an array, or a tuple for a tuple result, with
     None for what is no float); wrt, as for `gradient` (default: every float argument). Gradients have the shape and
-    dtype of their arguments, those of structures their make, as seeds have; `args` and `seeds` are never changed.
+    dtype of their arguments, those of structures their make, as seeds have; `args` and `seeds` are never changed. With
+    batch seeds have one more axis, the first, of k directions (a float's is an array of k), and so have gradients.
     Raises S2sadError: S401 (an unknown output or wrt), S403 (a seed that does not fit), S404, S405 as for `gradient`;
     and what f raises. A zero gradient because no output depends on the argument comes with an S2sadWarning.
     Literature as for `gradient`.
@@ -186,6 +188,8 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wr
     ...         u[i] = c * u[i]
     >>> vjp(scale, (np.ones(2), 3.0), {"u": np.ones(2)})
     {'u': array([3., 3.]), 'c': 2.0}
+    >>> vjp(scale, (np.ones(2), 3.0), {"u": np.eye(2)}, batch=True)["c"]
+    array([1., 1.])
     """
     given, args, _ = apply_functions(f, _argument_tuple(args), {})
     state, names = derivatives_of(given).state(), names_of(wrt, given)
@@ -193,12 +197,12 @@ def vjp(f: Callable[..., Any], args: Sequence[Any], seeds: Mapping[str, Any], wr
     flattened = flatten(state, args)
     if flattened is not None:
         _keys_of(seeds, "seeds")
-        return with_structures.vjp(flattened, carrier, bind(state.kernel, args), seeds, names)
+        return with_structures.vjp(flattened, carrier, bind(state.kernel, args), seeds, names, batch)
     key = ("vjp", names, _keys_of(seeds, "seeds"), describe(args), selection_of(carrier))
     entry = state.entries.get(key)
     if entry is None:
         entry = state.entries[key] = ReverseCall(state, carrier, args, tuple(seeds), names)
-    return entry.vjp(args, seeds)
+    return batch_calls.vjp(entry, args, seeds) if batch else entry.vjp(args, seeds)
 
 
 def carrier_of(f: Any, checkpoint: Checkpoint, memory: Economy | None, tape_dtype: TapeDtype | None) -> Any:
@@ -210,13 +214,14 @@ def carrier_of(f: Any, checkpoint: Checkpoint, memory: Economy | None, tape_dtyp
 
 
 @public
-def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any], of: Wrt = None
-        ) -> dict[str, Any]:
+def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any], of: Wrt = None, *,
+        batch: bool = False) -> dict[str, Any]:
     """The tangents of f's outputs, by output name, for `tangents` of its arguments by name.
 
     Args: args, all of f's positional arguments; tangents, a float for a float, an array of the same shape and dtype
     for an array; of, output names (default: every written float array, and "return"). The tangent of a tuple result
-    is a tuple, with None for what is no float. `args` and `tangents` are never changed.
+    is a tuple, with None for what is no float. `args` and `tangents` are never changed. With batch tangents have one
+    more axis, the first, of k directions (a float's is an array of k), and so have those of outputs.
     Raises S2sadError as `vjp` does. Forward mode: Griewank and Walther, Evaluating Derivatives, SIAM 2008.
 
     >>> import numpy as np
@@ -225,18 +230,21 @@ def jvp(f: Callable[..., Any], args: Sequence[Any], tangents: Mapping[str, Any],
     ...         u[i] = c * u[i]
     >>> jvp(scale, (np.ones(2), 3.0), {"c": 1.0})
     {'u': array([1., 1.])}
+    >>> jvp(scale, (np.ones(2), 3.0), {"c": np.array([1.0, 2.0])}, batch=True)["u"]
+    array([[1., 1.],
+           [2., 2.]])
     """
     given, args, _ = apply_functions(f, _argument_tuple(args), {})
     state, names = derivatives_of(given).state(), names_of(of, given, "of")
     flattened = flatten(state, args)
     if flattened is not None:
         _keys_of(tangents, "tangents")
-        return with_structures.jvp(flattened, f, bind(state.kernel, args), tangents, names)
+        return with_structures.jvp(flattened, f, bind(state.kernel, args), tangents, names, batch)
     key = ("jvp", names, _keys_of(tangents, "tangents"), describe(args), selection_of(f))
     entry = state.entries.get(key)
     if entry is None:
         entry = state.entries[key] = ForwardCall(state, f, args, tuple(tangents), names)
-    return entry.jvp(args, tangents)
+    return batch_calls.jvp(entry, args, tangents) if batch else entry.jvp(args, tangents)
 
 
 def _argument_tuple(args: Any) -> tuple[Any, ...]:

@@ -15,6 +15,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError, warn
 from s2sad.dispatch.executable import Executable
 from s2sad.infer.types import NONE, TEXT
 from s2sad.program import Recording, Request
+from s2sad.run.compiled import chosen
 from s2sad.run.memory import Memory
 from s2sad.interface.selection import (
     RETURN, ReturnedValues, Selection, array_seed, number_seed, places, result_seed, selected_of, selected_wrt,
@@ -32,6 +33,9 @@ def selection_of(f: Any) -> Selection:
 
 class PreparedCall:
     """Arguments of known types, bound, and copied where the function may write; one instance per compiled call."""
+    _mode = ""
+    wrt: tuple[str, ...]
+    of: tuple[str, ...]
 
     def __init__(self, state: ProgramVersion, f: Any, args: tuple[Any, ...]):
         self.state, self.names, self.engine = state, state.parameters, selection_of(f).engine
@@ -46,10 +50,12 @@ class PreparedCall:
         self.results = ReturnedValues.of(self.summary)
         self.written = [k for k, n in enumerate(self.names)
                         if n in self.summary.written and isinstance(values[k], np.ndarray)]
+        self._changed = self.written
         self._apart = state.overlap_check(self.types)
         if self._apart is not None:
             self._apart(values)
-        self._ready = False
+        self._ready: set[int] = set()
+        self._many: dict[int, Executable | None] = {}
 
     def values_of(self, args: Sequence[Any]) -> list[Any]:
         values = [*args, *self.tail]
@@ -57,14 +63,14 @@ class PreparedCall:
             values[k] = how(values[k])
         return values
 
-    def private_copies(self, args: Sequence[Any]) -> list[Any]:
-        """The values, with copies of what the function may write."""
+    def private_copies(self, args: Sequence[Any], whole: bool = False) -> list[Any]:
+        """The values, with copies of what the function may write; of all of that for another derivative (`whole`)."""
         values = self.values_of(args)
         if self._apart is not None:
             self._apart(values)
         if self.summary.contiguous:
             check_contiguous(self.summary, dict(zip(self.names, values)))
-        for k in self.written:
+        for k in self._changed if whole else self.written:
             values[k] = private_copy(values[k])
         return values
 
@@ -77,9 +83,9 @@ class PreparedCall:
         """Calls the derivative; the first time it is compiled."""
         arguments = variant.assemble(values, shadows, seeds, self.state.private_outside_arrays(self.types))
         variant = variant.for_call(arguments, self._copied(variant, arguments, shadows) if variant.limited else 0)
-        if not self._ready:
+        if id(variant) not in self._ready:
             variant.prepare(arguments)
-            self._ready = True
+            self._ready.add(id(variant))
         return variant.run(arguments)
 
     def _copied(self, variant: Executable, arguments: Sequence[Any], shadows: Mapping[str, Any]) -> int:
@@ -88,38 +94,63 @@ class PreparedCall:
                   and p.name in self.summary.written]
         return sum(a.nbytes for a in (*copies, *shadows.values()) if isinstance(a, np.ndarray))
 
-    def variant(self, mode: str, wrt: tuple[str, ...], of: tuple[str, ...], with_primal: bool = False) -> Executable:
+    def variant(self, mode: str, wrt: tuple[str, ...], of: tuple[str, ...], with_primal: bool = False, width: int = 0
+                ) -> Executable:
         recording = self.recording if mode == "adjoint" else Recording()
-        return self.state.variant(Request(mode, self.types, wrt, of, with_primal=with_primal, recording=recording),
-                                  self.engine)
+        return self.state.variant(Request(mode, self.types, wrt, of, with_primal=with_primal, recording=recording,
+                                          width=width), self.engine)
+
+    def many(self, width: int) -> Executable | None:
+        """The derivative for so many directions at once; None where it has to be one at a time."""
+        if chosen(self.engine) == "numpy":
+            width = 1       # a list of any length
+        if width not in self._many:
+            self._many[width] = self._for_many(width)
+        return self._many[width]
+
+    def _for_many(self, width: int) -> Executable | None:
+        if self.recording.limit:
+            return None
+        try:
+            return self.variant(self._mode, self.wrt, self.of, width=width)
+        except S2sadError as refused:
+            if refused.diagnostics[0].code != "S411":
+                raise
+            return None
 
 
 class ReverseCall(PreparedCall):
     """A prepared `vjp` or `gradient`."""
+    _mode = "adjoint"
 
     def __init__(self, state: ProgramVersion, f: Any, args: tuple[Any, ...], outputs: tuple[str, ...],
                  wrt: tuple[str, ...] | None, with_value: bool = False):
         super().__init__(state, f, args)
         name = state.kernel.name
-        chosen = wrt if wrt is not None else selection_of(f)[0]
+        selected = wrt if wrt is not None else selection_of(f)[0]
         kinds = dict(zip(self.names, self.types))
-        if chosen is None and with_value:
+        if selected is None and with_value:
             wrt = tuple(n for n in state.kernel.independents if kinds[n].is_inexact) or None
-        self.wrt = selected_wrt(name, self.names, self.types, wrt if chosen is None else chosen)
+        self.wrt = selected_wrt(name, self.names, self.types, wrt if selected is None else selected)
         self.is_single = len(self.wrt) == 1 and (
-            chosen is not None or sum(kinds[n] not in (NONE, TEXT) for n in state.kernel.independents) <= 1)
+            selected is not None or sum(kinds[n] not in (NONE, TEXT) for n in state.kernel.independents) <= 1)
         if with_value and (len(self.results.types) != 1 or not self.results.types[0].is_float
                            or self.results.types[0].is_array):
             raise _no_float(name, self.results)
         if not outputs:
             raise misfit(f"no seed was given for '{name}'", "give a dict by output name, as {\"return\": 1.0}")
         self.of = selected_of(name, self.names, self.types, self.summary, outputs)
+        self.warns = selected is not None
         self.rv = self.variant("adjoint", self.wrt, self.of, with_value)
         if not self.rv.limited:         # else a call chooses among several
             self.leave_uncopied(self.rv)
         self.seed_places = places([p.primal for p in self.rv.seeds])
-        independent = self.rv.generated.facts.get("independent", ())
-        self.in_vain = tuple(n for n in self.wrt if chosen is not None and n in independent)
+
+    def warn_of_zeros(self, derivative: Executable) -> None:
+        """Warns of gradients that were named and are zero."""
+        for name in derivative.generated.facts.get("independent", ()):
+            if self.warns and name in self.wrt:
+                warn(f"no output asked for of '{self.state.kernel.name}' depends on '{name}': its gradient is zero")
 
     def run(self, args: Sequence[Any], seeds: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[Any, ...]]:
         values, shadows, result_seeds = self.bind_values(args, seeds)
@@ -149,8 +180,7 @@ class ReverseCall(PreparedCall):
         return self.rv.memory(by_name, sum(by_name[n].nbytes for n in copied))
 
     def gradients(self, shadows: dict[str, Any], returned: tuple[Any, ...]) -> dict[str, Any]:
-        for name in self.in_vain:
-            warn(f"no output asked for of '{self.state.kernel.name}' depends on '{name}': its gradient is zero")
+        self.warn_of_zeros(self.rv)
         return self.by_argument(shadows, returned)
 
     def by_argument(self, shadows: dict[str, Any], returned: tuple[Any, ...]) -> dict[str, Any]:
@@ -177,6 +207,7 @@ class ReverseCall(PreparedCall):
 
 class ForwardCall(PreparedCall):
     """A prepared `jvp`."""
+    _mode = "tangent"
 
     def __init__(self, state: ProgramVersion, f: Any, args: tuple[Any, ...], inputs: tuple[str, ...],
                  of: tuple[str, ...] | None):
@@ -205,9 +236,10 @@ class ForwardCall(PreparedCall):
         values, shadows = self.bind_values(args, tangents)
         return self.outputs(shadows, self.call(self.fv, values, shadows))
 
-    def outputs(self, shadows: Mapping[str, Any], returned: Sequence[Any]) -> dict[str, Any]:
-        """The tangents of the outputs by name, after a call."""
-        found: dict[int, Any] = dict(zip(places(self.fv.generated.returns), returned))
+    def outputs(self, shadows: Mapping[str, Any], returned: Sequence[Any], names: Sequence[str] | None = None
+                ) -> dict[str, Any]:
+        """The tangents of the outputs by name, after a call that returns these names."""
+        found: dict[int, Any] = dict(zip(places(self.fv.generated.returns if names is None else names), returned))
         for place, name in self.results.aliases.items():
             found[place] = shadows[name]
         outputs = {name: shadows[name] for name in self.requested if name != RETURN}

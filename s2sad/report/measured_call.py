@@ -77,7 +77,7 @@ class MeasuredCall:
     def reverse(self) -> ReverseCall:
         """The adjoint, prepared; without a warning for inputs on which no output depends."""
         made = ReverseCall(self.state, self._carrier, self.arguments, self.of, None)
-        made.in_vain = ()
+        made.warns = False
         return made
 
     def has_tangent(self) -> bool:

@@ -34,6 +34,7 @@ from s2sad.run.special_functions import register, used
 from s2sad.run.through_python import through_python
 
 _RUNTIME = "s2sad.runtime"
+_UNROLLED = "__unrolled__"
 _ANY_ORDER = {"added"}  # sums whose compiled form may be reassociated
 _CHECKED: ContextVar[bool] = ContextVar("s2sad_bounds_checked", default=False)
 
@@ -71,16 +72,18 @@ def bounds_checked() -> Iterator[None]:
 
 
 def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ...] = (),
-             user_functions: bool = False, guards: Collection[int] = (), entries: Collection[str] = ()) -> ModuleType:
+             user_functions: bool = False, guards: Collection[int] = (), entries: Collection[str] = (),
+             unrolled: bool = False) -> ModuleType:
     """The module of `text` with its functions compiled (lazily, when first called); those in `plain` are left. Python
-    calls those in `entries` (all of them if it is empty).
+    calls those in `entries` (all of them if it is empty). If it is `unrolled`, LLVM makes vectors of neighbouring
+    operations, too: of loops that it has written out.
 
     With `user_functions` it imports functions of the user: these are compiled too, and nothing is kept on disk, for
     the text stays the same when they change. Nor is a module that calls what the interpreter runs, which lives as
     long as the process.
     """
     bounds = bounds or always_checked()
-    module = load(text, name, _key(bounds), own=user_functions, guards=guards)
+    module = load(text, name, _key(bounds) + "-unrolled" * unrolled, own=user_functions, guards=guards)
     if not getattr(module, "__compiled__", False):
         space = vars(module)
         register(used(space))
@@ -97,7 +100,7 @@ def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ..
                 space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
             elif user_functions:
                 space[identifier] = _jit(value, bounds, on_disk=False)
-        space["__compiled__"] = True
+        space["__compiled__"], space[_UNROLLED] = True, unrolled
     return module
 
 
@@ -125,12 +128,25 @@ def prepare(dispatcher: Any, args: Sequence[Any], what: str) -> None:
     numba_errors = importlib.import_module("numba.core.errors")
     signature = tuple(map(dispatcher.typeof_pyval, args))
     try:
-        with _reported(dispatcher, what), interruptible():
+        with _reported(dispatcher, what), interruptible(), _vectors_of_neighbours(
+                dispatcher.py_func.__globals__.get(_UNROLLED, False)):
             dispatcher.compile(signature)
     except numba_errors.NumbaError as error:
         reason = str(error).strip()
         raise S2sadError(Diagnostic("S901", f"internal error: Numba cannot compile {what}", note=reason,
                                     help='engine="numpy" runs the same text without Numba')) from error
+
+
+@contextmanager
+def _vectors_of_neighbours(wanted: bool) -> Iterator[None]:
+    """Whether LLVM makes vectors of operations beside each other in what is compiled inside."""
+    config: Any = importlib.import_module("numba.core.config")
+    before = config.SLP_VECTORIZE
+    config.SLP_VECTORIZE = int(wanted or before)
+    try:
+        yield
+    finally:
+        config.SLP_VECTORIZE = before
 
 
 @contextmanager

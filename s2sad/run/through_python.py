@@ -15,6 +15,7 @@ from functools import partial
 from typing import Any
 
 from s2sad import runtime
+from s2sad.run.lanes import lanes_on_stack
 from s2sad.runtime.random_sequences import FUNCTIONS, TANGENTS, cleared
 
 
@@ -108,8 +109,9 @@ def _drawing(function: Any, numba: Any) -> Any:
     return numba.njit(called)
 
 
-_MAKERS: dict[Any, Callable[[Any], Any]] = {runtime.sparse_solve: _solving, runtime.on_disk: _mapping, **{
-    f: partial(_drawing, f) for f in (*FUNCTIONS, *TANGENTS.values(), cleared)}}
+_MAKERS: dict[Any, Callable[[Any], Any]] = {
+    runtime.lanes: lanes_on_stack, runtime.sparse_solve: _solving, runtime.on_disk: _mapping, **{
+        f: partial(_drawing, f) for f in (*FUNCTIONS, *TANGENTS.values(), cleared)}}
 
 
 def through_python(function: Any) -> Any:

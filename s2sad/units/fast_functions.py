@@ -12,9 +12,10 @@ from s2sad.tree import Call, FunctionDef, call_name, copy, names, user_call, wal
 from s2sad.units.unit_derivatives import UnitDerivative, Units
 
 
-def fast(derived: UnitDerivative, units: Units) -> FunctionDef:
-    """A derivative after the passes of `optimize`."""
+def fast(derived: UnitDerivative, units: Units, in_rows: bool = True) -> FunctionDef:
+    """A derivative after the passes of `optimize`; its loops need no rows that run in vectors where directions do."""
     context = _context(derived, derived.function, units, frozenset())
+    context.adjoint = context.adjoint and in_rows
     return run(optimize.PASSES, derived.function, context)
 
 

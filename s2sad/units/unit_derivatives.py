@@ -1,7 +1,7 @@
 """Units are differentiated: DERIVATIVES on a unit in normal form, then `simplify`'s lists, once for each request."""
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -357,6 +357,7 @@ class Units(NormalForms):
                                             for p, s in made.shadows.items() if typing.table[s].is_number}}
         function = run(simplify.PASSES, function, context)
         made.sums |= set(context.sums)
+        made.coalesced |= _widest(context.renamed, typing)
         self.effects.add(verify(function, "derivative", "simplify"), typing)
         return function
 
@@ -394,3 +395,15 @@ class Units(NormalForms):
         of = tuple(p for p in arguments if p in written) + tuple(f"return {k}" for k in pattern.results)
         return DerivativeRequest(arguments, of, mode == "tangent", pattern.unbounded if unit.kernel.own is None
                                  else frozenset(), unit.outlined and mode == "adjoint", halves=halves)
+
+
+def _widest(renamed: Mapping[str, str], typing: Typing) -> dict[str, Type]:
+    """For each name under which versions come the type that holds all of them."""
+    found: dict[str, Type] = {}
+    for old, new in renamed.items():
+        kind, known = typing.table.get(old, UNKNOWN), found.get(new)
+        if known is None or not (kind.is_number and known.is_number):
+            found[new] = kind
+        elif kind != known:
+            found[new] = replace(kind, dtype=np.result_type(kind.dtype, known.dtype).name)
+    return found

@@ -15,6 +15,7 @@ import pytest
 
 from s2sad import S2sadError
 from s2sad.run import compiled
+from s2sad.runtime import lanes
 from tests.harness.constructs import listed
 from tests.harness.instrumentation import instrumented
 
@@ -28,14 +29,15 @@ def running(engine: str) -> Iterator[str]:
     if engine != "loops" or compiling:
         yield "numba" if engine == "loops" else engine
         return
-    before = compiled._jit, compiled._key, compiled._runtime
+    before = compiled._jit, compiled._key, compiled._runtime, compiled.through_python
+    compiled.through_python = lambda function: None if function is lanes else before[3](function)
     compiled._jit = lambda function, *_, **__: instrumented(function)
     compiled._key = lambda bounds: f"{before[1](bounds)}-loops"       # modules of their own
     compiled._runtime = _runtime                                      # what is compiled of the runtime stays for others
     try:
         yield "numba"
     finally:
-        compiled._jit, compiled._key, compiled._runtime = before
+        compiled._jit, compiled._key, compiled._runtime, compiled.through_python = before
 
 
 def one_line(error: S2sadError) -> str:

@@ -10,6 +10,8 @@ from typing import Any
 
 from s2sad.dispatch.arguments import describe, make_zero
 from s2sad.diagnostics import warn
+from s2sad.interface import batch_calls
+from s2sad.interface.pytrees.flat_batches import apart, directions_of, stacked, together
 from s2sad.interface.pytrees.flat_selection import Path
 from s2sad.interface.pytrees.flatten import Flattened
 from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
@@ -44,17 +46,25 @@ class FlatGradient:
         return len(paths) == 1 and (explicit or len(self.flattened.independents()) <= 1)
 
 
-def vjp(flattened: Flattened, f: Any, args: Sequence[Any], seeds: Mapping[str, Any], names: Sequence[str] | None
-        ) -> dict[str, Any]:
+def vjp(flattened: Flattened, f: Any, args: Sequence[Any], seeds: Mapping[str, Any], names: Sequence[str] | None,
+        batch: bool = False) -> dict[str, Any]:
     """The gradients as `vjp` gives them."""
     with flattened.user_paths():
         values = dict(zip(flattened.paths, flattened.values(args)))
-        flat, kept = _seeds(flattened, seeds, values)
+        if batch:
+            count, given = directions_of(seeds)
+            each = [_seeds(flattened, s, values) for s in given]
+            flat, kept = (stacked([e[k] for e in each]) for k in (0, 1))
+        else:
+            flat, kept = _seeds(flattened, seeds, values)
         paths, call, ordered = _reverse(flattened, f, args, tuple(flat), names, False)
-        found = call.vjp(ordered, flat)
+        found = batch_calls.vjp(call, ordered, flat) if batch else call.vjp(ordered, flat)
         for name, seed in kept.items():
             if name in found:
                 found[name] = found[name] + seed
+        if batch:
+            return together([_by_argument(flattened, f, names, paths, call, args, one)
+                             for one in apart(found, len(each))], count)
         return _by_argument(flattened, f, names, paths, call, args, found)
 
 
@@ -89,7 +99,7 @@ def _reverse(flattened: Flattened, f: Any, args: Sequence[Any], outputs: tuple[s
     if call is None:
         call = ReverseCall(flattened.state, carrier, tuple(values), outputs, wrt, with_value)
         flattened.state.entries[key] = call
-        call.in_vain = ()
+        call.warns = False
     return paths, call, values
 
 
@@ -103,17 +113,14 @@ def _by_argument(flattened: Flattened, f: Any, names: Sequence[str] | None, path
     return {path[0]: flattened.with_floats(path, args, found) for path in paths}
 
 
-def jvp(flattened: Flattened, f: Any, args: Sequence[Any], tangents: Mapping[str, Any], of: Sequence[str] | None
-        ) -> dict[str, Any]:
+def jvp(flattened: Flattened, f: Any, args: Sequence[Any], tangents: Mapping[str, Any], of: Sequence[str] | None,
+        batch: bool = False) -> dict[str, Any]:
     """The tangents as `jvp` gives them."""
     with flattened.user_paths():
         values = flattened.values(args)
-        by_name = dict(zip(flattened.paths, values))
-        flat: dict[str, Any] = {}
-        for name, value in tangents.items():
-            path = flattened._selected_path(name, "tangents")
-            own = flattened.flat_parts(path, value, "tangent", by_name)
-            flat |= own or {flattened.flat_names([path], "tangents")[0]: value}
+        count, given = directions_of(tangents) if batch else (1, [tangents])
+        each = [_flat_tangents(flattened, one, values) for one in given]
+        flat = stacked(each) if batch else each[0]
         _, carrier = flattened.carrier(f)
         outputs = flattened.outputs(of)
         key = ("forward", tuple(flat), outputs, carrier.__s2sad_selection__, describe(values))
@@ -121,8 +128,23 @@ def jvp(flattened: Flattened, f: Any, args: Sequence[Any], tangents: Mapping[str
         if call is None:
             call = ForwardCall(flattened.state, carrier, tuple(values), tuple(flat), outputs)
             flattened.state.entries[key] = call
-        found = call.jvp(values, flat)
-        return _tangents(flattened, args, of if of is not None else selection_of(f)[1], found, flat)
+        outputs = of if of is not None else selection_of(f)[1]
+        if batch:
+            found = batch_calls.jvp(call, values, flat)
+            return together([_tangents(flattened, args, outputs, one, own)
+                             for one, own in zip(apart(found, len(each)), each)], count)
+        return _tangents(flattened, args, outputs, call.jvp(values, flat), flat)
+
+
+def _flat_tangents(flattened: Flattened, tangents: Mapping[str, Any], values: Sequence[Any]) -> dict[str, Any]:
+    """The tangents of the parts of structures, by flat names."""
+    by_name = dict(zip(flattened.paths, values))
+    flat: dict[str, Any] = {}
+    for name, value in tangents.items():
+        path = flattened._selected_path(name, "tangents")
+        own = flattened.flat_parts(path, value, "tangent", by_name)
+        flat |= own or {flattened.flat_names([path], "tangents")[0]: value}
+    return flat
 
 
 def _tangents(flattened: Flattened, args: Sequence[Any], of: Sequence[str] | None, found: dict[str, Any],
