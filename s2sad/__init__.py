@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         DuplicatedNoNeed as DuplicatedNoNeed, Forward as Forward, ForwardWithPrimal as ForwardWithPrimal,
         Reverse as Reverse, ReverseWithPrimal as ReverseWithPrimal,
     )
+    from s2sad.bridges.casadi_functions import casadi as casadi
     from s2sad.bridges.jax_functions import jax as jax
     from s2sad.bridges.torch_functions import torch as torch
     from s2sad.interface.differentiate import (
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 _HOMES = {
+    "bridges.casadi_functions": ("casadi",),
     "bridges.jax_functions": ("jax",),
     "bridges.torch_functions": ("torch",),
     "interface.activities": ("Active", "BatchDuplicated", "Const", "Duplicated", "DuplicatedNoNeed", "Forward",
@@ -65,8 +67,8 @@ _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [
     "Active", "BatchDuplicated", "Bench", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed",
     "Explanation", "Forward", "ForwardWithPrimal", "Hessian", "Jacobian", "Memory", "Plan", "Reverse",
-    "ReverseWithPrimal", "S2sadError", "S2sadWarning", "Snapshots", "Tape", "autodiff", "bench", "check", "clear",
-    "differentiate", "explain", "grad", "gradient", "hessian", "hvp", "jacobian", "jax", "jvp", "make_zero",
+    "ReverseWithPrimal", "S2sadError", "S2sadWarning", "Snapshots", "Tape", "autodiff", "bench", "casadi", "check",
+    "clear", "differentiate", "explain", "grad", "gradient", "hessian", "hvp", "jacobian", "jax", "jvp", "make_zero",
     "nondifferentiable", "rule", "timesteps", "torch", "value_and_grad", "value_and_gradient", "vjp",
 ]
 

@@ -73,3 +73,15 @@ def halved(u):
 
 def applied(g, x):
     return g(x) * x
+
+
+def turned(x):
+    out = np.empty((x.shape[1], x.shape[0]))
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            out[j, i] = x[i, j] ** 2 * (i + 1)
+    return out
+
+
+def squared(x):
+    return np.sum(x * x)
