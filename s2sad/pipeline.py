@@ -172,6 +172,8 @@ def with_directions(functions: list[FunctionDef], derived: UnitDerivative, reque
     try:
         if owners:
             raise OneByOne(f"'{owners[0].name}' has a derivative of its own")
+        if request.engine == "numba" and any(t.is_complex for table in types.values() for t in table.values()):
+            raise OneByOne("room for numbers of each direction has one dtype, and some are complex")
         return for_directions(functions, derived.function.name, given, types, request.engine, request.width,
                               results)
     except OneByOne as why:

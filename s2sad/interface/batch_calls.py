@@ -135,8 +135,8 @@ def _with_axis(found: Any) -> Any:
     """The results for one direction as those for many."""
     if isinstance(found, dict):
         return {name: _with_axis(value) for name, value in found.items()}
-    if isinstance(found, tuple):
-        return tuple(map(_with_axis, found))
+    if isinstance(found, (tuple, list)):
+        return type(found)(map(_with_axis, found))
     return None if found is None else np.array(found)[None]
 
 
@@ -145,14 +145,15 @@ def _joined(found: Sequence[Any], count: int) -> Any:
     first = found[0]
     if isinstance(first, dict):
         return {name: _joined([f[name] for f in found], count) for name in first}
-    if isinstance(first, tuple):
-        return tuple(_joined(parts, count) for parts in zip(*found))
+    if isinstance(first, (tuple, list)):
+        return type(first)(_joined(parts, count) for parts in zip(*found))
     return None if first is None else first[:count] if len(found) == 1 else np.concatenate(found)
 
 
 def _of_each(found: Any, turn: Callable[[Any], Any]) -> Any:
-    return tuple(_of_each(f, turn) for f in found) if isinstance(found, tuple) else None if found is None else turn(
-        found)
+    if isinstance(found, (tuple, list)):
+        return type(found)(_of_each(f, turn) for f in found)
+    return None if found is None else turn(found)
 
 
 # -- the two modes ----------------------------------------------------------------------------------------------------

@@ -27,8 +27,8 @@ def _stacked(values: list[Any]) -> Any:
     first = values[0]
     if isinstance(first, dict):
         return {n: _stacked([v[n] for v in values]) for n in first}
-    if isinstance(first, tuple):
-        return tuple(_stacked([v[k] for v in values]) for k in range(len(first)))
+    if isinstance(first, (tuple, list)):
+        return type(first)(_stacked([v[k] for v in values]) for k in range(len(first)))
     return None if first is None else np.array(values)
 
 
@@ -37,7 +37,7 @@ def _same(found: Any, expected: Any, what: str, tolerance: float) -> None:
         assert found.keys() == expected.keys(), f"{what}: {list(found)}, not {list(expected)}"
         for name in expected:
             _same(found[name], expected[name], f"{what} of {name}", tolerance)
-    elif isinstance(expected, tuple):
+    elif isinstance(expected, (tuple, list)):
         assert len(found) == len(expected)
         for one, other in zip(found, expected):
             _same(one, other, what, tolerance)

@@ -239,7 +239,7 @@ def recorded() -> Iterator[set[str]]:
         if version not in ran:
             ran.add(version)
             call.state.entries.pop(("first run", call.types), None)
-            call._ready = False
+            call._ready.clear()
         return called(call, *args)
     _recording.append(found)
     PreparedCall.call = with_first_run

@@ -7,6 +7,7 @@ names and constants: a residual name is bound anew only while one slot alone hol
 from __future__ import annotations
 
 import difflib
+import functools
 import keyword
 import re
 from collections.abc import Callable, Hashable, Sequence
@@ -62,6 +63,10 @@ def operation(function: Any) -> Any:
     """Makes a function one that others call through the evaluator."""
     setattr(Evaluator, function.__name__, function)
     return function
+
+
+def _not_said() -> None:
+    """How many items a starred operand must have, where nothing says that."""
 
 
 class Evaluator(Operations):
@@ -264,8 +269,11 @@ class Evaluator(Operations):
         found: list[Value] = []
         marks: list[tuple[int, int, int]] = []
         for node in nodes:
-            found.append(TupleValue(tuple(self.starred_items(node, f, lambda: taken(found[0])))) if isinstance(
-                node, tree.Starred) else evaluated(node, f))
+            if isinstance(node, tree.Starred):
+                count = functools.partial(taken, found[0]) if found else _not_said
+                found.append(TupleValue(tuple(self.starred_items(node, f, count))))
+            else:
+                found.append(evaluated(node, f))
             marks.append((len(self.block), self.effects, len(self.rebound)))
         for k in reversed(range(len(found))):
             at, effects, rebound = marks[k]
