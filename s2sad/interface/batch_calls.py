@@ -151,8 +151,8 @@ def _joined(found: Sequence[Any], count: int) -> Any:
 
 
 def _of_each(found: Any, turn: Callable[[Any], Any]) -> Any:
-    if isinstance(found, (tuple, list)):
-        return type(found)(_of_each(f, turn) for f in found)
+    if isinstance(found, tuple):        # a list is what NumPy's layout has for one result
+        return tuple(_of_each(f, turn) for f in found)
     return None if found is None else turn(found)
 
 

@@ -85,7 +85,7 @@ def destination_passing(kernel: Kernel, found: OwnedResults, types: tuple[Type, 
     own = [p.id for p in found.tree.args.args]
     new = at(function(title, [*own, *words], [*(s for s in body if s is not None), *stores]), found.tree)
     program.kernels[title] = replace(kernel, name=title, tree=new, parameters=(*kernel.parameters, *words),
-                                      results=len(words))
+                                      results=len(words), nested=None)
     made = [call("numpy.empty", s, *dtype_of(t))
             for s, t in zip(known, types)]
     return DestinationVersion(title, tuple(zip(words, made)))

@@ -158,6 +158,15 @@ def of_helpers(x, k):
     return np.sum(s2sad.gradient(with_a_helper, "x")(x, k) ** 2)
 
 
+def along_several(x, k):
+    """One product with a Hessian is written into an array that there is, another one is a value."""
+    d = np.ones(4)
+    for _ in range(2):
+        h = s2sad.hvp(energy, (x, k), {"x": d})
+        d = h / np.sqrt(np.sum(h * h))
+    return np.sum(d * s2sad.hvp(energy, (x, k), {"x": d}))
+
+
 def of_what_writes(x, k):
     g = s2sad.gradient(in_place, "x")(x, k)
     return np.sum(g * x)
@@ -282,6 +291,7 @@ def cases():
     for kernel in both:
         yield Case(kernel, (X.copy(), 1.3), ("x", "k"))
     yield Case(leapfrog, (X.copy(), np.zeros(4), 1.3), ("x", "v", "k"), ("return", "x", "v"))
+    yield Case(along_several, (X.copy(), 1.3), ("x", "k"), options={"coordinates": 2, "directions": 1})
     yield Case(of_outside, (X.copy(),), "x")
     yield Case(of_a_while_loop, (X.copy(), 1.3), ("x", "k"))
     yield Case(particle, (0.3,), "w")
