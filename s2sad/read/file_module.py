@@ -21,6 +21,7 @@ from s2sad.read.outside_values import (
     Numbers, ModuleValue, Unusable, dotted, is_numbers, value_meaning,
 )
 
+DERIVATIVES = tuple(f"s2sad.{n}" for n in ("gradient", "value_and_gradient", "grad", "value_and_grad"))
 LIBRARIES = ("numpy", "math", "scipy", "numba", "s2sad", "builtins", "itertools")
 
 
@@ -209,6 +210,8 @@ class FileModule:
             maker = self.path_meaning(value.func) or (self._value(target, value.func)
                                                       if isinstance(value.func, tree.Call) else None)
             if maker is not None and dropped_decorator(dotted(maker) or ""):
+                if dotted(maker) in DERIVATIVES:
+                    return maker
                 inner = self.path_meaning(value.args[0]) if len(value.args) == 1 else None
                 return inner if isinstance(inner, UserFunctionValue) else maker
         try:

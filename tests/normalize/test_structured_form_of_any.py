@@ -91,7 +91,7 @@ class Writer:
         self.put(indent, [
             lambda: f"{v} = ({self.number()}) % 50", lambda: f"{v} += {self.number(1)}",
             lambda: f"x[{self.number(1)} % 3] = ({self.number()}) % 50", lambda: f"x[{v} % 3] -= {self.number()}",
-            lambda: f"{v}, {w} = ({self.number(1)}) % 9, {self.number(1)}",
+            lambda: f"{v}, {w if w != v else 'other'} = ({self.number(1)}) % 9, {self.number(1)}",
             lambda: f"{v}, x[{w} % 3] = {w}, {self.number(1)}",
             lambda: f"{v} = x[{w} % 3] = ({self.number(1)}) % 50" if v != w else "pass",
             lambda: f"{v}, x[1] = both(x, {w})", lambda: f"push(x, {self.number(1)})",
