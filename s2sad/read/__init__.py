@@ -82,7 +82,7 @@ def function_in_file(path: str | os.PathLike[str], function: str) -> tuple[UserF
     meaning = module.meanings.get(function) and module.lookup(function)
     if not isinstance(meaning, UserFunctionValue):
         raise S2sadError(_no_function(module, function))
-    return meaning, files
+    return replace(meaning, handle=meaning.handle.itself()) if meaning.handle.is_derivative else meaning, files
 
 
 @deep_stack

@@ -72,9 +72,23 @@ class FileFunction:
     @property
     def decorators(self) -> list[AST]:
         """The decorators that may make another function of it."""
-        def path(node: AST) -> str:
-            return dotted(self.module.path_meaning(node.func if isinstance(node, tree.Call) else node)) or ""
-        return [d for d in self.definition.decorator_list if not dropped_decorator(path(d))]
+        return [d for d in self.definition.decorator_list
+                if makes_derivative(self._path(d)) or not dropped_decorator(self._path(d))]
+
+    def _path(self, decorator: Any) -> str:
+        node = decorator.func if isinstance(decorator, tree.Call) else decorator
+        return dotted(self.module.path_meaning(node)) or ""
+
+    @property
+    def is_derivative(self) -> bool:
+        """Whether a decorator makes a derivative of it, which its name means from then on."""
+        return any(makes_derivative(self._path(d)) for d in self.definition.decorator_list)
+
+    def itself(self) -> FileFunction:
+        """The function that is written there, whatever derivative its name means."""
+        definition = tree.head_copy(self.definition)
+        definition.decorator_list = [d for d in definition.decorator_list if not makes_derivative(self._path(d))]
+        return FileFunction(self.module, definition)
 
     def captured(self) -> Captured:
         def default(parameter: str, node: AST) -> Any:
@@ -85,6 +99,15 @@ class FileFunction:
                 return value
             raise NotConstant(self.module.path_meaning(node))
         return Captured(self.definition.name, self.definition, self.module.source, self.module, default)
+
+
+_AS_IT_IS = ("differentiate", "rule", "nondifferentiable")
+
+
+def makes_derivative(path: str) -> bool:
+    """Whether something of this package, by its dotted path, makes another function of the one that it is given."""
+    root, _, rest = path.partition(".")
+    return root == "s2sad" and rest.partition(".")[0] not in _AS_IT_IS
 
 
 def dropped_decorator(path: str) -> bool:

@@ -12,7 +12,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.read.capture import source_of
 from s2sad.read.constant_folding import folded
-from s2sad.read.file_definitions import FileClass, FileFunction, dropped_decorator
+from s2sad.read.file_definitions import FileClass, FileFunction, dropped_decorator, makes_derivative
 from s2sad.read.module_bindings import bound_names, bound_twice, changed_name, imports_name
 from s2sad.read.source_text import parsed, read_text
 from s2sad.read.namespaces import NamespaceScope
@@ -21,7 +21,6 @@ from s2sad.read.outside_values import (
     Numbers, ModuleValue, Unusable, dotted, is_numbers, value_meaning,
 )
 
-DERIVATIVES = tuple(f"s2sad.{n}" for n in ("gradient", "value_and_gradient", "grad", "value_and_grad"))
 LIBRARIES = ("numpy", "math", "scipy", "numba", "s2sad", "builtins", "itertools")
 
 
@@ -210,7 +209,7 @@ class FileModule:
             maker = self.path_meaning(value.func) or (self._value(target, value.func)
                                                       if isinstance(value.func, tree.Call) else None)
             if maker is not None and dropped_decorator(dotted(maker) or ""):
-                if dotted(maker) in DERIVATIVES:
+                if makes_derivative(dotted(maker) or ""):
                     return maker
                 inner = self.path_meaning(value.args[0]) if len(value.args) == 1 else None
                 return inner if isinstance(inner, UserFunctionValue) else maker

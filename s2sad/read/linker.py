@@ -85,6 +85,9 @@ class Linker:
         captured = replace(captured, tree=desugar(captured.tree))
         report = Report(captured.source)
         self.reports.append(report)
+        if getattr(function.handle, "is_derivative", False):
+            report.error("S201", f"'{captured.name}' is a derivative of what is written there",
+                         header_of(captured.tree))
         is_residual = hasattr(function.handle, "captured")
         own = GIVEN.own(getattr(function.handle, "given", None) if is_residual else function.handle)
         if own is not None:

@@ -64,7 +64,8 @@ def _by_position(ev: Evaluator, args: Args, options: Options, node: AST, f: Fram
     """As JAX has it: of the first argument, if nothing is said."""
     title = ev.called
     of, positions = _arguments(ev, title, ("f", "argnums"), args, options, node)
-    return LibraryValue(f"s2sad.called.{title}ient", (of, constant(0) if positions is NONE else positions))
+    path = {"grad": "gradient", "value_and_grad": "value_and_gradient"}[title]
+    return LibraryValue(f"s2sad.called.{path}", (of, constant(0) if _is_none(positions) else positions))
 
 
 @function("s2sad.called.gradient", "s2sad.called.value_and_gradient")
@@ -161,6 +162,10 @@ def _defined(ev: Evaluator, of: FunctionValue) -> FunctionValue:
     return replace(of, captured=known)
 
 
+def _is_none(value: Value) -> bool:
+    return isinstance(value, Data) and value.is_known and value.known is None
+
+
 def _by_name(ev: Evaluator, value: Value, node: AST, f: Frame) -> dict[str, Value]:
     """Seeds or directions by the names of what they belong to."""
     if not isinstance(value, Reference) or ev.heap[value].kind != "dict":
@@ -170,7 +175,7 @@ def _by_name(ev: Evaluator, value: Value, node: AST, f: Frame) -> dict[str, Valu
 
 def _known_names(ev: Evaluator, value: Value, inner: _Inner, node: AST) -> tuple[str, ...]:
     """The names that are asked for; a position counts parameters."""
-    if value is NONE:
+    if _is_none(value):
         return ()
     items = value.items if isinstance(value, TupleValue) else list(ev.heap[value].items.values()) if isinstance(
         value, Reference) else [value]
@@ -187,7 +192,7 @@ def _names(ev: Evaluator, wrt: Value, inner: _Inner, node: AST, others: set[str]
     """What a derivative is with respect to: it is said, or there is only one."""
     found = _known_names(ev, wrt, inner, node) or tuple(
         p for p in inner.places if p not in others and p not in inner.bound)
-    if wrt is NONE and len(found) != 1:
+    if _is_none(wrt) and len(found) != 1:
         raise ev.refusal(node, f"'{inner.of.captured.name}' takes several arguments",
                          help='say what the derivative is with respect to: wrt="x"')
     return found
