@@ -110,13 +110,14 @@ class Program:
 class FlatProgram:
     """A program of arrays and numbers, made for arguments of some forms; `paths` has, for each of the entry's
     parameters, what a user calls it, `cells` the parameters that are arrays of one element, `result` what structure is
-    returned, `changed` the paths of structures that are changed otherwise, `live` what is taken from outside, by id,
-    `normal` its normal form, where it was made."""
+    returned, `changed` the paths of structures that are changed otherwise, `mutated` of those that are at any time,
+    `live` what is taken from outside, by id, `normal` its normal form, where it was made."""
     program: Program
     paths: dict[str, str]
     cells: frozenset[str]
     result: Any = None
     changed: frozenset[str] = frozenset()
+    mutated: frozenset[str] = frozenset()
     live: frozenset[int] = frozenset()
     normal: Mapping[Any, Any] = field(default_factory=dict)
 

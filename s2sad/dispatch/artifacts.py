@@ -77,6 +77,7 @@ class KeptResidual:
     cells: frozenset[str]
     result: Any
     changed: frozenset[str]
+    mutated: frozenset[str]
 
 
 def _miss_unless_complete(find: Callable[..., T]) -> Callable[..., T | None]:
@@ -196,14 +197,14 @@ def load_residual(reading: ReadRecord, function: FunctionType, forms: tuple[Any,
     kept = _get(place)
     if kept is None:
         return None
-    described, kernel, warned, held, paths, cells, result, changed = kept
+    described, kernel, warned, held, paths, cells, result, changed, mutated = kept
     guards = Guards()
     values = _replay_guards(described, (function, *_classes(forms, reading)), guards)
     if values is None:
         return None
     arrays = {n: values[k[0]][k[1]] if isinstance(k, tuple) else values[k] for n, k in held}
     made = ReadRecord(_kernel(kernel), False, arrays, {}, guards, _address((place, described), function), warned)
-    return KeptResidual(made, paths, frozenset(cells), result, frozenset(changed))
+    return KeptResidual(made, paths, frozenset(cells), result, frozenset(changed), frozenset(mutated))
 
 
 def store_residual(reading: ReadRecord, function: FunctionType, forms: tuple[Any, ...], facts: Any, made: KeptResidual
@@ -217,7 +218,7 @@ def store_residual(reading: ReadRecord, function: FunctionType, forms: tuple[Any
             return None
         held = tuple((n, numbers[id(a)]) for n, a in ours.arrays.items())
         _put((described, _of_kernel(ours.kernel), ours.warned, held, made.paths, tuple(sorted(made.cells)), made.result,
-              tuple(sorted(made.changed))), place)
+              tuple(sorted(made.changed)), tuple(sorted(made.mutated))), place)
         return _address((place, described), function)
     except NotSerializable:
         return None

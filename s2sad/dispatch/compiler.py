@@ -166,7 +166,8 @@ def _evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Pa
             raise (S2sadError(*there) if there else error) from None
     made = replace(made, guards=guards, replaced=residual.replaced, evaluation=_evaluation(residual, facts),
                    changed_outside=residual.changed_outside)
-    return FlatProgram(made, residual.paths, residual.cells, residual.result, residual.changed, residual.live)
+    return FlatProgram(made, residual.paths, residual.cells, residual.result, residual.changed,
+                       residual.mutated, residual.live)
 
 
 def _evaluation(residual: Residual, facts: Mapping[Fact, Any]) -> Evaluation:

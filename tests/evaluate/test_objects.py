@@ -149,6 +149,43 @@ def test_an_object_that_is_given_twice():
     np.testing.assert_array_equal(gradient(differentiate(grown), wrt="x")([X], [X.copy()], X), X)
 
 
+class Part:
+    def __init__(self, t):
+        self.t, self.h = t, [2.0 * t]
+
+    def swapped(self):
+        self.t, self.h[0] = self.h[0], self.t
+
+
+def swapped_back(first, second, x):
+    first.swapped()
+    between = second.t * second.h[0] ** 2
+    first.swapped()
+    return between * x
+
+
+def grown_and_shrunk(us, vs, x):
+    us.append(x)
+    between = len(vs)
+    us.pop()
+    return between * np.sum(x)
+
+
+def swapped_in_a_helper(first, second, x):
+    return swapped_back(first, second, x) * x
+
+
+def test_an_object_that_is_given_twice_and_changed_for_a_while():
+    part, us = Part(1.5), [X.copy()]
+    for kernel, given, said in ((swapped_back, (part, part, 0.5), "'first' and 'second'"),
+                                (swapped_in_a_helper, (part, part, 0.5), "'first' and 'second'"),
+                                (grown_and_shrunk, (us, us, X), "'us' and 'vs'")):
+        with pytest.raises(S2sadError) as caught:
+            gradient(differentiate(kernel), wrt="x")(*given)
+        assert one_line(caught.value).startswith(f"{said} are one object, which is changed: pass a copy"), kernel
+    assert gradient(differentiate(swapped_back), wrt="x")(part, Part(1.5), 0.5) == 1.5 * 9.0
+
+
 def multiplied(state, x):
     state.u = state.u * x
     return np.sum(state.u * x)

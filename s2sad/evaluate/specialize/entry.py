@@ -24,7 +24,7 @@ from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import Leave, Reached, Unevaluated
 from s2sad.evaluate.specialize.entry_arguments import (
-    argument_value, assigned_numbers, changed_outside, changes_of, store_cells,
+    argument_value, assigned_numbers, changed_outside, changes_of, mutated, store_cells,
 )
 from s2sad.evaluate.specialize.entry_results import result_structure_of
 from s2sad.evaluate.specialize.heap import Object
@@ -53,15 +53,17 @@ from s2sad.tree import AST
 class Residual:
     """A residual function, as reading takes it, and what its parameters are: `paths` by name what a user calls each;
     `cells` are those that are arrays of one element: numbers in objects, which are assigned; `result` is the structure
-    that is returned; `changed` are the paths of objects that are given and changed otherwise, `replaced` the parameters
-    in whose place these hold something else in the end, `live` the objects from outside, `unrolled` the loops that are
-    written out, with their rounds, `changed_outside` what the objects from outside are called that are changed.
-    One that is `given` has that function's own derivative, and perhaps its `residual`."""
+    that is returned; `changed` are the paths of objects that are given and hold something else in the end, beside
+    the cells, `mutated` of those that do so at any time, `replaced` the parameters in whose place they do, `live` the
+    objects from outside, `unrolled` the loops that are written out, with their rounds, `changed_outside` what the
+    objects from outside are called that are changed. One that is `given`
+    has that function's own derivative, and perhaps its `residual`."""
     made: Captured
     paths: dict[str, str]
     cells: frozenset[str]
     result: PyTree | None
     changed: frozenset[str]
+    mutated: frozenset[str]
     replaced: frozenset[str]
     live: frozenset[int]
     unrolled: tuple[tuple[SourcePlace, int], ...] = ()
@@ -174,7 +176,8 @@ def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[
     made = Captured(captured.name, function_tree, ev.source, scope, _no_default)
     changed, replaced = changes_of(ev)
     unrolled = tuple((SourcePlace.of(ev.source, s), rounds) for s, rounds in ev.unrolled_loops.items())
-    return Residual(made, names, frozenset(c.parameter for c in ev.cells), result, changed, replaced,
+    return Residual(made, names, frozenset(c.parameter for c in ev.cells), result, changed,
+                    changed | mutated(ev), replaced,
                     frozenset(ev.live), unrolled, changed_outside(ev))
 
 
@@ -196,7 +199,7 @@ def body_of(ev: Evaluator, function: Any) -> Any:
         return function
     is_called = "primal" in own.functions       # as it is, and not read
     nothing: frozenset[Any] = frozenset()
-    as_it_is = Residual(captured_of(function), {}, nothing, None, nothing, nothing, nothing)
+    as_it_is = Residual(captured_of(function), {}, nothing, None, nothing, nothing, nothing, nothing)
     made = as_it_is if is_called else _of_arrays(function)
     if made is None:
         return function

@@ -136,6 +136,11 @@ def changes_of(ev: Evaluator) -> tuple[frozenset[str], frozenset[str]]:
     return frozenset(changed), frozenset(replaced)
 
 
+def mutated(ev: Evaluator) -> frozenset[str]:
+    """The arguments' objects that have held something else at any time."""
+    return frozenset(before.path for number, before in ev.given.items() if number in ev.heap.mutated)
+
+
 def changed_outside(ev: Evaluator) -> frozenset[str]:
     """What the objects from outside are called that hold something else in the end: those that a bound object has."""
     found: set[str] = set()

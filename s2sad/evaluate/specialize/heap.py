@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from s2sad.evaluate.specialize.values import Choice, ClassValue, Data, Reference, Value, parts
+from s2sad.evaluate.specialize.values import Choice, ClassValue, Data, Reference, Value, alike, parts
 
 
 @dataclass(frozen=True)
@@ -59,11 +59,13 @@ class Object:
 
 
 class Heap:
-    """Objects by number; numbers are never given twice, also across forks."""
+    """Objects by number; numbers are never given twice, also across forks. `mutated` are those that have held something
+    else at any time, in any fork."""
 
     def __init__(self) -> None:
         self.objects: dict[int, Object] = {}
         self.changes = 0
+        self.mutated: set[int] = set()
         self._count = 0
 
     def fork(self) -> dict[int, Object]:
@@ -80,10 +82,13 @@ class Heap:
     def put(self, reference: Reference, key: Hashable, value: Value) -> None:
         held = self.objects[reference.number]
         self.changes += 1
+        if held.kind != "frame" and not alike(held.items.get(key), value):
+            self.mutated.add(reference.number)
         self.objects[reference.number] = replace(held, items={**held.items, key: value})
 
     def set_items(self, reference: Reference, items: Mapping[Hashable, Value]) -> None:
         self.changes += 1
+        self.mutated.add(reference.number)
         self.objects[reference.number] = replace(self.objects[reference.number], items=dict(items))
 
     def values(self) -> Iterator[Value]:

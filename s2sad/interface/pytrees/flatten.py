@@ -123,6 +123,7 @@ class Flattened(FlatSelection):
     def __init__(self, state: ProgramVersion, forms: tuple[Form, ...], facts: tuple[tuple[Fact, Any], ...] = ()):
         self.facts = dict(facts)
         self.changed: frozenset[str] = frozenset()
+        self.mutated: frozenset[str] = frozenset()
         self.live: frozenset[int] = frozenset()
         self.forms = dict(zip(state.parameters, forms))
         self.title, self.plain = state.kernel.name, state.kernel.independents
@@ -130,7 +131,8 @@ class Flattened(FlatSelection):
         if kept is None:
             self._take_apart(state, forms, facts)
         else:
-            self.paths, self.cells, self.result, self.changed = kept.paths, kept.cells, kept.result, kept.changed
+            self.paths, self.cells, self.result = kept.paths, kept.cells, kept.result
+            self.changed, self.mutated = kept.changed, kept.mutated
             self.state = ProgramVersion(kept.reading, state.function, True, lambda: self._flat(state, forms).program)
         self.names = {path: name for name, path in self.paths.items()}
 
@@ -139,12 +141,12 @@ class Flattened(FlatSelection):
         flat = self._flat(state, forms)
         program = flat.program
         self.paths, self.cells, self.result = flat.paths, flat.cells, flat.result
-        self.changed, self.live = flat.changed, flat.live
+        self.changed, self.mutated, self.live = flat.changed, flat.mutated, flat.live
         reading = ReadRecord(program.kernels[program.entry], False, program.arrays, {}, program.guards, None,
                              program.warned)
-        address = None if self.changed and self.live else artifacts.store_residual(
+        address = None if self.mutated and self.live else artifacts.store_residual(
             state.reading, state.function, forms, facts,
-            KeptResidual(reading, self.paths, self.cells, self.result, self.changed))
+            KeptResidual(reading, self.paths, self.cells, self.result, self.changed, self.mutated))
         self.state = ProgramVersion(replace(reading, address=address), state.function, True).with_program(
             program, flat.normal)
 
@@ -168,7 +170,7 @@ class Flattened(FlatSelection):
         found: list[Any] = []
         if self.cells:
             self._apart(args)
-        if self.changed:
+        if self.mutated:
             self._unshared(args)
 
         def add(path: str, kind: Type, leaf: Any) -> None:
@@ -194,7 +196,7 @@ class Flattened(FlatSelection):
         for (parameter, form), value in zip(self.forms.items(), args):
             for path, inner in structures(form, value, parameter):
                 first = seen.setdefault(id(inner), path)
-                if {path, first} & self.changed and (path != first or id(inner) in self.live):
+                if {path, first} & self.mutated and (path != first or id(inner) in self.live):
                     raise S2sadError(Diagnostic("S404", f"'{first}' and '{path}' are one object, which is changed"
                                                 if path != first else f"'{path}' is changed, and is reached from "
                                                 "outside, too", help="pass a copy"))
