@@ -17,7 +17,7 @@ from s2sad.infer.types import Type, misfit_of
 from s2sad.interface.selection import RETURN, places, seeds_by_position
 from s2sad.interface.value_calls import ForwardCall, PreparedCall, ReverseCall
 
-WIDTHS = (4, 8)
+WIDTHS = (4, 8, 12, 16)
 
 
 def width_for(count: int) -> int:

@@ -4,40 +4,47 @@ Greedy partial distance-2 colouring: Gebremedhin, Manne and Pothen, What color i
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from functools import cache
+from importlib import util
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-
-def grouped(keys: np.ndarray, values: np.ndarray, count: int) -> list[list[int]]:
-    """The values of each key from 0 to count, in order."""
-    order = np.argsort(keys, kind="stable")
-    ends = np.cumsum(np.bincount(keys, minlength=count))[:-1]
-    return [part.tolist() for part in np.split(values[order], ends)]
+from s2sad.jacobians import entry_arrays
+from s2sad.run.compiled import compiled
 
 
-def greedy(columns: Sequence[Sequence[int]], rows: int, order: Iterable[int] | None = None) -> np.ndarray:
-    """A colour for each column, given by its rows: the first that no column has with which it shares a row.
+@cache
+def loops(engine: str) -> Any:
+    """The functions of `entry_loops`: compiled, and kept on disk, for Numba; those of `entry_arrays` for NumPy."""
+    if engine == "numpy":
+        return entry_arrays
+    found = util.find_spec("s2sad.jacobians.entry_loops")
+    assert found is not None and found.origin is not None
+    return compiled(Path(found.origin).read_text(encoding="utf-8"), "entry_loops")
 
-    >>> greedy([[0], [0, 1], [1]], 2)
-    array([0, 1, 0])
+
+def colored(starts: np.ndarray, members: np.ndarray, others: np.ndarray, engine: str) -> np.ndarray:
+    """The colours of columns, given by the lists of their rows, of which `others` are the starts by row: in natural
+    order or the largest first, what needs fewer."""
+    fit = loops(engine).first_fit
+    natural = fit(starts, members, others, np.arange(len(starts) - 1))
+    if count_of(natural) == np.diff(others).max(initial=0):     # fewer than a row has columns there cannot be
+        return natural
+    largest = fit(starts, members, others, np.argsort(-np.diff(starts), kind="stable"))
+    return largest if count_of(largest) < count_of(natural) else natural
+
+
+def starts_of(keys: np.ndarray, count: int) -> np.ndarray:
+    """Where the list of each key from 0 to `count` starts, and where the last one ends.
+
+    >>> starts_of(np.array([0, 2, 2]), 3)
+    array([0, 1, 1, 3])
     """
-    taken = [0] * rows          # the colours of a row's columns, as bits
-    colors = np.zeros(len(columns), int)
-    for column in range(len(columns)) if order is None else order:
-        near = 0
-        for row in columns[column]:
-            near |= taken[row]
-        free = ~near & (near + 1)
-        for row in columns[column]:
-            taken[row] |= free
-        colors[column] = free.bit_length() - 1
-    return colors
+    return np.concatenate([[0], np.cumsum(np.bincount(keys, minlength=count))])
 
 
-def colored(keys: np.ndarray, values: np.ndarray, count: int, rows: int) -> np.ndarray:
-    """The colours of the columns `keys` with rows `values`: in natural order or the largest first, what needs fewer."""
-    columns = grouped(keys, values, count)
-    natural = greedy(columns, rows)
-    largest = greedy(columns, rows, np.argsort([-len(c) for c in columns], kind="stable"))
-    return largest if largest.max(initial=0) < natural.max(initial=0) else natural
+def count_of(colors: np.ndarray) -> int:
+    """How many colours there are."""
+    return int(colors.max(initial=-1)) + 1

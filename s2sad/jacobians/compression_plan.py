@@ -1,6 +1,7 @@
 """Plans: where a sparse matrix has entries, and which of its columns or rows one product tells at once."""
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
@@ -10,16 +11,24 @@ import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.extras import needed
-from s2sad.jacobians.coloring import colored
+from s2sad.jacobians.coloring import colored, count_of, loops, starts_of
 from s2sad.jacobians.linear_maps import LinearMap, size
 from s2sad.report.picture import figure_class
 
-_PRECISION = {"float32": 1e-3, "float64": 1e-7}
+_PRECISION = {"f": 1e-3, "d": 1e-7}     # by the character of a dtype
 
 
 def scipy_sparse() -> Any:
     """SciPy's module of sparse matrices; raises S2sadError (S405) where it is not installed."""
     return needed("scipy.sparse", "a sparse matrix", "ask for the dense one")
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Directions that are asked for at once; which entries they tell, and where these stand in what comes of them."""
+    directions: np.ndarray
+    entries: Any
+    places: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,23 +46,23 @@ class Plan:
     mode: str
 
     @classmethod
-    def of(cls, rows: np.ndarray, columns: np.ndarray, taken: tuple[int, ...], given: tuple[int, ...], mode: str
-           ) -> Plan:
-        """The plan for entries, which are sorted by rows: by "forward" or "reverse" products, or "auto"."""
-        height, width = size(given), size(taken)
-        by_columns = None if mode == "reverse" else colored(columns, rows, width, height)
-        by_rows = None if mode == "forward" else colored(rows, columns, height, width)
-        # an adjoint costs two to three tangents
-        forward = by_rows is None or by_columns is not None and by_columns.max(initial=0) <= 2 * by_rows.max(
-            initial=0) + 1
-        indptr = np.concatenate([[0], np.cumsum(np.bincount(rows, minlength=height))]).astype(np.int32)
-        chosen = by_columns if forward else by_rows
+    def of(cls, starts: np.ndarray, indices: np.ndarray, of: LinearMap, mode: str) -> Plan:
+        """The plan for the entries of a map, by rows: with "forward" or "reverse" products, or what takes fewer."""
+        by_column, rows = loops(of.engine).turned(starts, indices, size(of.taken))
+        columns = None if mode == "reverse" else colored(by_column, rows, starts, of.engine)
+        chosen, forward = columns, True
+        # an adjoint costs two to three tangents; a column has no more rows than there are colours of these
+        if columns is None or mode == "auto" and count_of(columns) > 2 * np.diff(by_column).max(initial=0):
+            chosen = colored(starts, indices, by_column, of.engine)
+            forward = columns is not None and count_of(columns) <= 2 * count_of(chosen)
+        chosen = columns if forward else chosen
         assert chosen is not None
-        return cls(taken, given, indptr, columns.astype(np.int32), chosen, "forward" if forward else "reverse")
+        return cls(of.taken, of.given, starts.astype(np.int32), indices.astype(np.int32), chosen,
+                   "forward" if forward else "reverse")
 
-    @property
+    @cached_property
     def colors(self) -> int:
-        return int(self.color_of.max(initial=-1)) + 1
+        return count_of(self.color_of)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -63,45 +72,73 @@ class Plan:
     def rows(self) -> np.ndarray:
         return np.repeat(np.arange(self.shape[0]), np.diff(self.indptr))
 
-    @cached_property
-    def _places(self) -> np.ndarray:
-        """Where each entry stands among the products, one after the other."""
-        first, other = (self.indices, self.rows) if self.mode == "forward" else (self.rows, self.indices)
-        return self.color_of[first] * (self.shape[0] if self.mode == "forward" else self.shape[1]) + other
+    @property
+    def _asked(self) -> np.ndarray:
+        """The column of each entry, or its row where it is made by adjoints: what directions are of."""
+        return self.indices if self.mode == "forward" else self.rows
+
+    @property
+    def _answers(self) -> np.ndarray:
+        return self.rows if self.mode == "forward" else self.indices
 
     @cached_property
-    def _directions(self) -> list[np.ndarray]:
-        return [np.flatnonzero(self.color_of == color) for color in range(self.colors)]
+    def _batches(self) -> dict[tuple[int, bool], list[Batch]]:
+        return {}
 
-    def entries(self, of: LinearMap) -> np.ndarray:
-        """The entries of a linear map's matrix, by rows."""
-        multiply = of.product if self.mode == "forward" else of.transposed_product
-        direction = np.zeros(len(self.color_of))
-        products = np.empty((self.colors, self.shape[0] if self.mode == "forward" else self.shape[1]), of.dtype)
-        for line, members in zip(products, self._directions):
-            direction[members] = 1.0
-            line[...] = multiply(direction)
-            direction[members] = 0.0
-        return products.reshape(-1)[self._places]
+    def batches(self, width: int, check: bool) -> list[Batch]:
+        """The directions of all colours, so many at once, and that of the check behind them."""
+        if (width, check) not in self._batches:
+            colors, count = self.color_of[self._asked], -(-(self.colors + check) // width)
+            # no entry has to be picked where one batch has them all
+            order = None if self.colors <= width else np.argsort(colors // width, kind="stable")
+            ends, made = starts_of(colors // width, count), []
+            for k, (first, last) in enumerate(zip(ends, ends[1:])):
+                mine = slice(first, last) if order is None else order[first:last]
+                directions = np.zeros((len(self.color_of), width))
+                members = np.flatnonzero(self.color_of // width == k)
+                directions[members, self.color_of[members] - k * width] = 1.0
+                if check and k == count - 1:
+                    directions[:, self.colors - k * width] = self._probe
+                places = self._answers[mine].astype(np.intp) * width + (colors[mine] - k * width)
+                made.append(Batch(directions, mine, places))
+            self._batches[width, check] = made
+        return self._batches[width, check]
 
-    def matrix(self, entries: np.ndarray) -> Any:
-        """The sparse matrix (CSR) with these entries."""
-        return scipy_sparse().csr_array((entries, self.indices, self.indptr), shape=self.shape)
+    def entries(self, of: LinearMap, check: bool) -> tuple[np.ndarray, bool]:
+        """The entries of a linear map's matrix, by rows; and, if that is to be checked, whether the matrix gives what
+        the map does for one more direction: a pattern that is too small does not."""
+        transposed = self.mode == "reverse"
+        width = of.width(self.colors + check, transposed)
+        batches = self.batches(width, check)
+        made, theirs = np.empty(len(self.indices), of.dtype), np.zeros(0)
+        for batch, found in zip(batches, of.products((b.directions for b in batches), width, transposed)):
+            made[batch.entries] = found.reshape(-1).take(batch.places)
+            if check and batch is batches[-1]:
+                theirs = found[:, self.colors % width].astype(float)
+        return made, not check or loops(of.engine).agrees(
+            made, self._weights, self._answers, theirs, _PRECISION[of.dtype.char])
 
     @cached_property
     def _probe(self) -> np.ndarray:
-        return np.random.default_rng(len(self.indices)).uniform(1.0, 2.0, self.shape[1])
+        return np.random.default_rng(len(self.indices)).uniform(1.0, 2.0, len(self.color_of))
 
-    def holds(self, of: LinearMap, entries: np.ndarray) -> bool:
-        """Whether a matrix gives what the linear map does for a direction that has not been asked for: a pattern that
-        is too small does not."""
-        theirs, terms = of.product(self._probe), entries * self._probe[self.indices]
-        ours = np.bincount(self.rows, terms, self.shape[0])
-        size = np.where(np.isfinite(theirs), np.abs(theirs), 0.0)
-        scale = np.bincount(self.rows, np.abs(terms), self.shape[0]) + size
-        with np.errstate(invalid="ignore"):     # what is not finite in the matrix is seen there
-            close = np.abs(theirs - ours) <= _PRECISION[of.dtype.name] * scale
-        return bool(np.all(close | ~np.isfinite(ours)))
+    @cached_property
+    def _weights(self) -> np.ndarray:
+        """What the check multiplies each entry with."""
+        return self._probe[self._asked]
+
+    @cached_property
+    def _made(self) -> dict[str, Any]:
+        return {}
+
+    def matrix(self, entries: np.ndarray, format: str = "csr") -> Any:
+        """The sparse matrix with these entries, which are given by rows."""
+        if format not in self._made:        # one whose entries are their places
+            numbered = scipy_sparse().csr_array((np.arange(len(entries)), self.indices, self.indptr), shape=self.shape)
+            self._made[format] = numbered.asformat(format)
+        made = copy(self._made[format])
+        made.data = entries if format == "csr" else entries[made.data]
+        return made
 
     def check_shapes(self, of: LinearMap) -> None:
         """Raises unless it is for arguments of these shapes."""
@@ -126,9 +163,9 @@ class Plan:
         """Draws the pattern in its colours to a file that matplotlib writes; needs matplotlib (S405)."""
         figure = figure_class()(figsize=(5.0, 5.0), layout="constrained")
         axes = figure.add_subplot()
-        first = self.indices if self.mode == "forward" else self.rows
-        axes.scatter(self.indices, self.rows, c=self.color_of[first], s=max(0.2, min(40.0, 9e4 / max(self.shape) ** 2)),
-                     marker="s", cmap="tab20", linewidths=0.0)
+        size = max(0.2, min(40.0, 9e4 / max(self.shape) ** 2))
+        axes.scatter(self.indices, self.rows, c=self.color_of[self._asked], s=size, marker="s", cmap="tab20",
+                     linewidths=0.0)
         axes.set(xlim=(-0.5, self.shape[1] - 0.5), ylim=(self.shape[0] - 0.5, -0.5), aspect="equal",
                  title=f"{len(self.indices):,} entries, {self.colors} products")
         figure.savefig(path)

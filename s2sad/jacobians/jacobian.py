@@ -2,32 +2,37 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from functools import cached_property
+from typing import Any, Literal
 
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.dispatch.cache import ProgramVersion
+from s2sad.dispatch.arguments import bind, describe
+from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
 from s2sad.interface.selection import RETURN, ReturnedValues, Wrt, names_of, selected_of
-from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
-from s2sad.jacobians.linear_maps import JacobianMap
-from s2sad.jacobians.matrix_drivers import MatrixDriver, Mode, only_one, real, version_and_values
+from s2sad.interface.value_calls import selection_of
+from s2sad.jacobians.direction_arrays import Memory
+from s2sad.jacobians.jacobian_map import JacobianMap, PreparedJacobian
+from s2sad.jacobians.matrix_drivers import MatrixDriver, Mode, only_one, real, values_of
+from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.tracebacks import public
 
 
 @public
 def jacobian(f: Callable[..., Any], wrt: Wrt = None, of: Wrt = None, *, mode: Mode = "auto", sparse: Any = False,
-             format: str = "csr", check: bool = True) -> Jacobian:
+             format: str = "csr", check: bool = True, batch: int | Literal["auto"] = "auto") -> Jacobian:
     """A function of f's arguments that returns the Jacobian of one output with respect to one argument.
 
     Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or position of a parameter
     (default: the only float); of, the name of a written array or "return" (default: the only output); mode, by
     columns ("forward"), by rows ("reverse") or what takes fewer products ("auto"); sparse, True, a pattern (a SciPy
     matrix or an array that is not zero where the Jacobian may be) or a `Plan`; format, "csr", "csc" or "coo"; check,
-    whether each sparse matrix is compared with the derivative for one more direction. A dense Jacobian has the shape
-    of the output and then that of the argument; a sparse one has two axes, the elements of both in C order. Arguments
-    are never changed. Its `plan(*args)` is the pattern with its colours.
+    whether each sparse matrix is compared with the derivative for one more direction; batch, how many directions one
+    call of the derivative takes, or "auto": 8, 12 or 16, by how many there are. A dense Jacobian has the shape of the
+    output and then that of the argument; a sparse one has two axes, the elements of both in C order. Arguments are
+    never changed. Its `plan(*args)` is the pattern with its colours.
     Raises S2sadError: S401 (wrt or of names nothing that has one, or several), S403 (a pattern that is too small), S405
-    (structures, a plan for other shapes, no SciPy); and what f raises. Literature: Gebremedhin, Manne and Pothen,
-    What color is your Jacobian?, SIAM Review 47, 2005.
+    (structures, a plan for other shapes, no SciPy, a batch that is none); and what f raises. Literature: Gebremedhin,
+    Manne and Pothen, What color is your Jacobian?, SIAM Review 47, 2005.
 
     >>> import numpy as np
     >>> def differences(du, u):
@@ -40,8 +45,12 @@ def jacobian(f: Callable[..., Any], wrt: Wrt = None, of: Wrt = None, *, mode: Mo
            [ 0., -1.,  6.]])
     >>> J.plan(np.zeros(3), np.ones(3))
     <plan of a 3 x 3 matrix: 4 entries, 2 forward products>
+    >>> jacobian(differences, wrt="u", of="du", batch=2)(np.zeros(3), np.array([1.0, 2.0, 3.0]))
+    array([[ 0.,  0.,  0.],
+           [-1.,  4.,  0.],
+           [ 0., -1.,  6.]])
     """
-    return Jacobian(f, wrt, of, mode, sparse, format, check)
+    return Jacobian(f, wrt, of, mode, sparse, format, check, batch)
 
 
 class Jacobian(MatrixDriver):
@@ -49,33 +58,41 @@ class Jacobian(MatrixDriver):
     _what = "Jacobian"
 
     def __init__(self, f: Any, wrt: Wrt = None, of: Wrt = None, mode: Mode = "auto", sparse: Any = False,
-                 format: str = "csr", check: bool = True):
+                 format: str = "csr", check: bool = True, batch: int | Literal["auto"] = "auto"):
         super().__init__(f, mode, sparse, format, check)
-        self._wrt, self._of = names_of(wrt, f), names_of(of, f, "of")
+        if batch != "auto" and (isinstance(batch, bool) or not isinstance(batch, int) or batch < 1):
+            raise S2sadError(Diagnostic("S405", f"there is no batch of {batch!r} directions",
+                                        help='"auto", or how many at once: 1, 2, ...'))
+        self._wrt, self._of, self._batch = names_of(wrt, f), names_of(of, f, "of"), batch
+        self._memories: list[Memory] = []
 
     def decorator_arguments(self) -> tuple[Any, ...]:
-        return self.__wrapped__, self._wrt, self._of, self._mode, self._sparse, self._format, self._check
+        return (self.__wrapped__, self._wrt, self._of, self._mode, self._sparse, self._format, self._check,
+                self._batch)
 
     def linear_map(self, args: Sequence[Any], keywords: dict[str, Any]) -> JacobianMap:
-        state, values = version_and_values(self.__wrapped__, args, keywords)
-        types = state.types(values)
-        carried = selection_of(self.__wrapped__)
-        key = ("jacobian", self._wrt, self._of, types, carried)
+        f = self.__wrapped__
+        given, args, keywords = apply_functions(f, args, keywords)
+        state = (self._derivatives if given is f else derivatives_of(given)).state()
+        if keywords or len(args) != len(state.parameters):
+            args = tuple(bind(state.kernel, args, keywords))
+        key = ("jacobian", self._wrt, self._of, describe(args), selection_of(f))
         found = state.entries.get(key)
         if found is None:
-            wrt = only_one(state, types, self._wrt if self._wrt is not None else carried.wrt)
-            of = _only_output(state, types, self._of if self._of is not None else carried.of)
-            call = ForwardCall(state, self.__wrapped__, tuple(values), (wrt,), (of,))
-            real(state.kernel.name, f"'{wrt}'", dict(zip(state.parameters, types))[wrt])
-            found = state.entries[key] = call, wrt, of
-        call, wrt, of = found
+            found = state.entries[key] = self._prepared(state, args)
+        return JacobianMap(found, args, self._batch if isinstance(self._batch, int) else None, self._memories)
 
-        def reverse() -> ReverseCall:
-            by_rows = (*key, "reverse")
-            if by_rows not in state.entries:
-                state.entries[by_rows] = ReverseCall(state, self.__wrapped__, tuple(values), (of,), (wrt,))
-            return state.entries[by_rows]
-        return JacobianMap(call, reverse, values, wrt, of)
+    @cached_property
+    def _derivatives(self) -> DerivativeCache:
+        return derivatives_of(self.__wrapped__)
+
+    def _prepared(self, state: ProgramVersion, args: Sequence[Any]) -> PreparedJacobian:
+        f, types = self.__wrapped__, state.types(values_of(state, args))
+        wrt = only_one(state, types, self._wrt if self._wrt is not None else selection_of(f).wrt)
+        of = _only_output(state, types, self._of if self._of is not None else selection_of(f).of)
+        made = PreparedJacobian(state, f, args, wrt, of)
+        real(state.kernel.name, f"'{wrt}'", dict(zip(state.parameters, types))[wrt])
+        return made
 
 
 def _only_output(state: ProgramVersion, types: Any, names: tuple[str, ...] | None) -> str:

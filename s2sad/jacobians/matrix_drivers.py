@@ -13,6 +13,7 @@ from s2sad.dispatch.cache import ProgramVersion, derivatives_of
 from s2sad.infer.types import Type
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.pytrees import flatten
+from s2sad.jacobians.coloring import starts_of
 from s2sad.jacobians.compression_plan import Plan, scipy_sparse
 from s2sad.jacobians.linear_maps import LinearMap, dense, size
 from s2sad.jacobians.sparsity import pattern_of
@@ -66,44 +67,45 @@ class MatrixDriver(Decorated):
         key = (of.taken, of.given)
         plan = self._given or self._plans.get(key) or self._plan(of)
         plan.check_shapes(of)
-        entries = plan.entries(of)
-        if self._check and not plan.holds(of, entries):
-            if self._given is None and self._sparse is True:    # which data have changed
-                plan = self._plan(of)
-                entries = plan.entries(of)
-            if not plan.holds(of, entries):
-                raise S2sadError(Diagnostic(
-                    "S403", f"the pattern of the {self._what} of '{self.__wrapped__.__name__}' lacks entries: for one "
-                    "more direction the matrix gives something else than the derivative",
-                    help="give a pattern with all entries that can be other than zero, or sparse=True, which finds it"))
+        entries, holds = plan.entries(of, self._check)
+        if not holds and self._given is None and self._sparse is True:      # which data have changed
+            plan = self._plan(of)
+            entries, holds = plan.entries(of, True)
+        if not holds:
+            raise S2sadError(Diagnostic(
+                "S403", f"the pattern of the {self._what} of '{self.__wrapped__.__name__}' lacks entries: for one "
+                "more direction the matrix gives something else than the derivative",
+                help="give a pattern with all entries that can be other than zero, or sparse=True, which finds it"))
         self._plans[key] = plan
-        made = plan.matrix(entries)
-        return made if self._format == "csr" else made.asformat(self._format)
+        return plan.matrix(entries, self._format)
 
     def _plan(self, of: LinearMap) -> Plan:
-        rows, columns = pattern_of(of) if isinstance(self._sparse, (bool, Plan)) else self._users(of)
-        return Plan.of(rows, columns, of.taken, of.given, self._mode)
+        return Plan.of(*(pattern_of(of) if isinstance(self._sparse, (bool, Plan)) else self._users(of)), of, self._mode)
 
     def _users(self, of: LinearMap) -> tuple[np.ndarray, np.ndarray]:
-        """The pattern that the user has given, a sparse matrix or a dense one, sorted by rows."""
+        """The pattern that the user has given, a sparse matrix or a dense one, by rows."""
         pattern = scipy_sparse().coo_array(self._sparse)
         if pattern.shape != (size(of.given), size(of.taken)):
             raise S2sadError(Diagnostic("S405", f"the pattern is of shape {pattern.shape}, the matrix of shape "
                                         f"{(size(of.given), size(of.taken))}", help="give one of that shape"))
         found = np.unique(np.stack([pattern.row, pattern.col]), axis=1)
-        return found[0], found[1]
+        return starts_of(found[0], pattern.shape[0]), found[1]
 
 
 def version_and_values(f: Any, args: Sequence[Any], keywords: dict[str, Any]) -> tuple[ProgramVersion, list[Any]]:
     """The program, and its arguments by position; structures are refused."""
     given, args, keywords = apply_functions(f, tuple(args), keywords)
     state = derivatives_of(given).state()
-    values = bind(state.kernel, args, keywords)
-    if flatten(state, values) is not None:
+    return state, values_of(state, bind(state.kernel, args, keywords))
+
+
+def values_of(state: ProgramVersion, args: Sequence[Any]) -> list[Any]:
+    """All arguments as the kernel takes them; structures are refused."""
+    if flatten(state, args) is not None:
         raise S2sadError(Diagnostic("S405", f"'{state.kernel.name}' was given a structure", help="matrices are of "
                                     "functions of arrays and numbers: write one that takes the part that is meant, and "
                                     "makes the structure"))
-    return state, [kernel_value(n, v, n in state.floats) for n, v in zip(state.parameters, values)]
+    return [kernel_value(n, v, n in state.floats) for n, v in zip(state.parameters, args)]
 
 
 def only_one(state: ProgramVersion, types: Sequence[Type], names: tuple[str, ...] | None) -> str:

@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -117,12 +117,15 @@ class HessianMap:
         self._call, self._values, self._wrt = call, values, wrt
         self.taken = self.given = np.shape(values[place])
         self.dtype = np.asarray(values[place]).dtype
+        self.engine = chosen(call.first.engine)
 
-    def product(self, direction: np.ndarray) -> np.ndarray:
-        along = direction.astype(self.dtype).reshape(self.taken) if self.taken else float(direction[0])
-        return np.array(self._call(self._values, {self._wrt: along})[self._wrt], self.dtype).reshape(-1)
+    def width(self, count: int | None, transposed: bool = False) -> int:
+        return 1        # what f computes depends on the direction
 
-    transposed_product = product
+    def products(self, directions: Iterable[np.ndarray], width: int, transposed: bool = False) -> Iterator[np.ndarray]:
+        for asked in directions:
+            along = asked.astype(self.dtype).reshape(self.taken) if self.taken else float(asked[0, 0])
+            yield np.array(self._call(self._values, {self._wrt: along})[self._wrt], self.dtype).reshape(-1, 1)
 
 
 @public

@@ -1,11 +1,13 @@
-"""Colours: columns of one share no row, whatever the pattern."""
+"""Colours: columns of one share no row, whatever the pattern; with a compiler and without one they are the same."""
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given, settings, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from s2sad.jacobians.coloring import colored
+from s2sad.jacobians.coloring import colored, loops
+from s2sad.jacobians.compression_plan import Plan
 from s2sad.jacobians.linear_maps import dense
 from s2sad.jacobians.sparsity import pattern_of
 
@@ -14,33 +16,84 @@ class Matrix:
     """A matrix as a linear map, of which a nan shows whatever the entry is that it meets."""
     dtype = np.dtype(float)
 
-    def __init__(self, pattern):
+    def __init__(self, pattern, width=1, engine="numpy"):
         self.pattern, self.given, self.taken = pattern, (len(pattern),), (pattern.shape[1],)
+        self.most, self.engine = width, engine
 
-    def product(self, direction):
-        return np.array([sum((0.5 * v for v, there in zip(direction, row) if there), 0.0) for row in self.pattern])
+    def width(self, count, transposed=False):
+        return self.most
 
-    def transposed_product(self, weights):
-        return Matrix(self.pattern.T).product(weights)
+    def products(self, directions, width, transposed=False):
+        matrix = self.pattern.T if transposed else self.pattern
+        for asked in directions:
+            assert asked.shape == (matrix.shape[1], width)
+            yield np.array([[sum((0.5 * v for v, there in zip(column, row) if there), 0.0) for column in asked.T]
+                            for row in matrix]).reshape(len(matrix), width)
 
 
 PATTERNS = st.tuples(st.integers(0, 7), st.integers(0, 9)).flatmap(lambda shape: arrays(bool, shape))
 
 
-@given(PATTERNS)
+WIDTHS = st.integers(1, 5)
+
+
+@given(PATTERNS, WIDTHS)
 @settings(max_examples=60, deadline=None)
-def test_the_pattern_is_found_and_its_colours_hold(pattern):
-    rows, columns = pattern_of(Matrix(pattern))
-    wanted = np.nonzero(pattern)
-    np.testing.assert_array_equal(rows, wanted[0])
-    np.testing.assert_array_equal(columns, wanted[1])
-    colors = colored(columns, rows, pattern.shape[1], pattern.shape[0])
-    for row in pattern:
-        assert len({*colors[row]}) == row.sum()
+def test_the_pattern_is_found_and_its_colours_hold(pattern, width):
+    for engine in ("numpy", "numba"):
+        starts, columns = pattern_of(Matrix(pattern, width, engine))
+        wanted = np.nonzero(pattern)
+        np.testing.assert_array_equal(np.repeat(np.arange(len(pattern)), np.diff(starts)), wanted[0])
+        np.testing.assert_array_equal(columns, wanted[1])
+        by_column, rows = loops(engine).turned(starts, columns, pattern.shape[1])
+        colors = colored(by_column, rows, starts, engine)
+        for row in pattern:
+            assert len({*colors[row]}) == row.sum()
 
 
-@given(PATTERNS)
+@given(PATTERNS, WIDTHS)
 @settings(max_examples=30, deadline=None)
-def test_columns_and_rows_give_one_matrix(pattern):
+def test_columns_and_rows_give_one_matrix(pattern, width):
     for mode in ("forward", "reverse"):
-        np.testing.assert_array_equal(dense(Matrix(pattern), mode), 0.5 * pattern)
+        np.testing.assert_array_equal(dense(Matrix(pattern, width), mode), 0.5 * pattern)
+
+
+@pytest.mark.parametrize("check", [True, False])
+@given(PATTERNS, WIDTHS)
+@settings(max_examples=40, deadline=None)
+def test_entries_are_told_by_batches_of_any_width(check, pattern, width):
+    of = Matrix(pattern, width)
+    for mode in ("forward", "reverse", "auto"):
+        plan = Plan.of(*pattern_of(of), of, mode)
+        entries, holds = plan.entries(of, check)
+        assert holds
+        np.testing.assert_array_equal(plan.matrix(entries).toarray(), 0.5 * pattern)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@given(PATTERNS.filter(np.any), WIDTHS, st.sampled_from(["forward", "reverse"]), st.data())
+@settings(max_examples=40, deadline=None)
+def test_an_entry_that_lacks_is_seen(engine, pattern, width, mode, data):
+    rows, columns = np.nonzero(pattern)
+    lacking = data.draw(st.integers(0, len(rows) - 1))
+    smaller = pattern.copy()
+    smaller[rows[lacking], columns[lacking]] = False
+    plan = Plan.of(*pattern_of(Matrix(smaller)), Matrix(smaller), mode)
+    assert not plan.entries(Matrix(pattern, width, engine), True)[1]
+
+
+@given(PATTERNS, st.data())
+@settings(max_examples=40, deadline=None)
+def test_loops_are_what_arrays_are(pattern, data):
+    plain, compiled = loops("numpy"), loops("numba")
+    starts, columns = pattern_of(Matrix(pattern))
+    both = [found.turned(starts, columns, pattern.shape[1]) for found in (plain, compiled)]
+    (by_column, rows), order = both[0], data.draw(st.permutations(range(pattern.shape[1])))
+    parts = np.array(data.draw(st.lists(st.integers(1, 3), min_size=len(pattern), max_size=len(pattern))), int)
+    told = data.draw(arrays(bool, (pattern.shape[1], 6)))
+    lanes = np.array(data.draw(st.lists(st.integers(0, 3), min_size=len(pattern), max_size=len(pattern))), int)
+    for ask in (lambda f: f.turned(starts, columns, pattern.shape[1]),
+                lambda f: (f.first_fit(by_column, rows, starts, np.array(order, int)),),
+                lambda f: f.parted(starts, columns, lanes, parts, told)):
+        for ours, theirs in zip(ask(plain), ask(compiled)):
+            np.testing.assert_array_equal(ours, theirs)
