@@ -104,9 +104,9 @@ class Plan:
             self._batches[width, check] = made
         return self._batches[width, check]
 
-    def entries(self, of: LinearMap, check: bool) -> tuple[np.ndarray, bool]:
-        """The entries of a linear map's matrix, by rows; and, if that is to be checked, whether the matrix gives what
-        the map does for one more direction: a pattern that is too small does not."""
+    def entries(self, of: LinearMap, check: bool) -> tuple[np.ndarray, np.ndarray]:
+        """The entries of a linear map's matrix, by rows; and, if they are to be checked, what the map does to one more
+        direction."""
         transposed = self.mode == "reverse"
         width = of.width(self.colors + check, transposed)
         batches = self.batches(width, check)
@@ -115,8 +115,20 @@ class Plan:
             made[batch.entries] = found.reshape(-1).take(batch.places)
             if check and batch is batches[-1]:
                 theirs = found[:, self.colors % width].astype(float)
-        return made, not check or loops(of.engine).agrees(
-            made, self._weights, self._answers, theirs, _PRECISION[of.dtype.char])
+        return made, theirs
+
+    def agrees(self, of: LinearMap, entries: np.ndarray, theirs: np.ndarray, rounded: bool = False) -> bool:
+        """Whether a matrix of these entries does the same to that direction, as one whose pattern is too small does
+        not. Entries that are nothing but rounding errors differ from one direction to the next: what is that small
+        beside the greatest is let pass if it may be `rounded`."""
+        precision = _PRECISION[of.dtype.char]
+        return loops(of.engine).agrees(entries, self._weights, self._answers, theirs, precision,
+                                       1e-5 * precision if rounded else 0.0)
+
+    def holds(self, starts: np.ndarray, indices: np.ndarray) -> bool:
+        """Whether it has all entries of a pattern."""
+        rows = np.repeat(np.arange(self.shape[0]), np.diff(starts))
+        return bool(np.isin(rows * self.shape[1] + indices, self.rows * self.shape[1] + self.indices).all())
 
     @cached_property
     def _probe(self) -> np.ndarray:

@@ -49,11 +49,12 @@ def parted(starts: np.ndarray, members: np.ndarray, lanes: np.ndarray, parts: np
     return bounds, np.concatenate(found)[np.argsort(every, kind="stable")]
 
 
-def agrees(entries: np.ndarray, weights: np.ndarray, told: np.ndarray, theirs: np.ndarray, precision: float) -> bool:
+def agrees(entries: np.ndarray, weights: np.ndarray, told: np.ndarray, theirs: np.ndarray, precision: float,
+           least: float) -> bool:
     """Whether entries times weights, summed to the places that are told, are what somebody else has there."""
     with np.errstate(all="ignore"):     # what is not finite in the matrix is seen there
         terms = entries * weights
         ours = np.bincount(told, terms, len(theirs))
-        size = np.where(np.isfinite(theirs), np.abs(theirs), 0.0)
-        scale = np.bincount(told, np.abs(terms), len(theirs)) + size
-        return bool(np.all((np.abs(theirs - ours) <= precision * scale) | ~np.isfinite(ours)))
+        scale = np.bincount(told, np.abs(terms), len(theirs)) + np.where(np.isfinite(theirs), np.abs(theirs), 0.0)
+        bound = precision * scale + least * scale.max(initial=0.0, where=np.isfinite(scale))
+        return bool(np.all((np.abs(theirs - ours) <= bound) | ~np.isfinite(ours)))

@@ -66,16 +66,19 @@ def parted(starts, members, lanes, parts, told):
     return found, lists
 
 
-def agrees(entries, weights, told, theirs, precision):
+def agrees(entries, weights, told, theirs, precision, least):
     """Whether entries times weights, summed to the places that are told, are what somebody else has there, where they
-    are finite."""
+    are finite: within `precision` of the terms, or `least` of the greatest ones anywhere."""
     ours, scale = np.zeros(theirs.size), np.zeros(theirs.size)
     for k in range(entries.size):
         term = entries[k] * weights[k]
         ours[told[k]] += term
         scale[told[k]] += abs(term)
+    greatest = 0.0
     for i in range(theirs.size):
-        size = abs(theirs[i]) if np.isfinite(theirs[i]) else 0.0
-        if np.isfinite(ours[i]) and not abs(theirs[i] - ours[i]) <= precision * (scale[i] + size):
+        scale[i] += abs(theirs[i]) if np.isfinite(theirs[i]) else 0.0
+        greatest = max(greatest, scale[i]) if np.isfinite(scale[i]) else greatest
+    for i in range(theirs.size):
+        if np.isfinite(ours[i]) and not abs(theirs[i] - ours[i]) <= precision * scale[i] + least * greatest:
             return False
     return True

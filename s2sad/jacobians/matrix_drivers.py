@@ -67,17 +67,24 @@ class MatrixDriver(Decorated):
         key = (of.taken, of.given)
         plan = self._given or self._plans.get(key) or self._plan(of)
         plan.check_shapes(of)
-        entries, holds = plan.entries(of, self._check)
-        if not holds and self._given is None and self._sparse is True:      # which data have changed
-            plan = self._plan(of)
-            entries, holds = plan.entries(of, True)
-        if not holds:
+        entries, theirs = plan.entries(of, self._check)
+        if self._check and not plan.agrees(of, entries, theirs):
+            plan, entries = self._again(of, plan, entries, theirs)
+        self._plans[key] = plan
+        return plan.matrix(entries, self._format)
+
+    def _again(self, of: LinearMap, plan: Plan, entries: np.ndarray, theirs: np.ndarray) -> tuple[Plan, np.ndarray]:
+        """The plan and the entries where the check failed: data have changed, or it has seen rounding errors."""
+        found = pattern_of(of)
+        if not plan.holds(*found) and self._given is None and self._sparse is True:
+            plan = Plan.of(*found, of, self._mode)
+            entries, theirs = plan.entries(of, True)
+        if not plan.holds(*found) or not plan.agrees(of, entries, theirs, rounded=True):
             raise S2sadError(Diagnostic(
                 "S403", f"the pattern of the {self._what} of '{self.__wrapped__.__name__}' lacks entries: for one "
                 "more direction the matrix gives something else than the derivative",
                 help="give a pattern with all entries that can be other than zero, or sparse=True, which finds it"))
-        self._plans[key] = plan
-        return plan.matrix(entries, self._format)
+        return plan, entries
 
     def _plan(self, of: LinearMap) -> Plan:
         return Plan.of(*(pattern_of(of) if isinstance(self._sparse, (bool, Plan)) else self._users(of)), of, self._mode)

@@ -153,6 +153,24 @@ def test_a_pattern_that_is_too_small_stays_an_error(engine, batch, mode):
         s2sad.jacobian(f, "u", "u", mode=mode, sparse=lacks, batch=batch, check=False)(X, 0.3)
 
 
+def cancelling(x):
+    """All but nothing is left of what the second element does, and that differs with the direction."""
+    a = x[1] * 0.1
+    b = x[1] * 0.2
+    return x[0] * 3.0 + (a + b) * 0.7 - x[1] * 0.21
+
+
+@ENGINES
+@pytest.mark.parametrize("mode", ["forward", "reverse"])
+def test_rounding_errors_are_no_entries_that_lack(engine, mode):
+    with running(engine) as under:
+        f, x = s2sad.differentiate(cancelling, engine=under), np.array([0.3, 0.7])
+        found = s2sad.jacobian(f, mode=mode, sparse=True)(x).toarray()
+        assert found[0, 0] == 3.0 and 0.0 < abs(found[0, 1]) < 1e-15
+        with pytest.raises(s2sad.S2sadError, match="S403.*lacks entries"):
+            s2sad.jacobian(f, mode=mode, sparse=np.array([[0, 1]]))(x)
+
+
 def test_arguments_of_other_types_and_layouts():
     f = s2sad.differentiate(kernels.to_an_array, engine="numpy")
     J, x = s2sad.jacobian(f), RNG.uniform(0.1, 1.0, (4, 2))

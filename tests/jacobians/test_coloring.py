@@ -65,8 +65,8 @@ def test_entries_are_told_by_batches_of_any_width(check, pattern, width):
     of = Matrix(pattern, width)
     for mode in ("forward", "reverse", "auto"):
         plan = Plan.of(*pattern_of(of), of, mode)
-        entries, holds = plan.entries(of, check)
-        assert holds
+        entries, theirs = plan.entries(of, check)
+        assert not check or plan.agrees(of, entries, theirs)
         np.testing.assert_array_equal(plan.matrix(entries).toarray(), 0.5 * pattern)
 
 
@@ -79,7 +79,10 @@ def test_an_entry_that_lacks_is_seen(engine, pattern, width, mode, data):
     smaller = pattern.copy()
     smaller[rows[lacking], columns[lacking]] = False
     plan = Plan.of(*pattern_of(Matrix(smaller)), Matrix(smaller), mode)
-    assert not plan.entries(Matrix(pattern, width, engine), True)[1]
+    of = Matrix(pattern, width, engine)
+    entries, theirs = plan.entries(of, True)
+    assert not plan.agrees(of, entries, theirs) and not plan.agrees(of, entries, theirs, rounded=True)
+    assert plan.holds(*pattern_of(Matrix(smaller))) and not plan.holds(*pattern_of(of))
 
 
 @given(PATTERNS, st.data())
