@@ -94,6 +94,14 @@ def test_what_is_bound_anew_is_each_directions_own(kernel, args, wrt, of, engine
     assert compare_batches(kernel, args, wrt, of, engine) == (True, True)
 
 
+@ENGINES
+@pytest.mark.parametrize("name", ["as_in_jax", "value_too", "of_both"])
+def test_a_call_stays_behind_what_it_is_given(name, engine):
+    """Its result is one for all directions, which has to be copied for each behind it."""
+    case = CORPUS[f"language.nested_derivatives.{name}"]
+    assert compare_batches(case.kernel, case.arguments, case.wrt, ("return",), engine) == (True, True)
+
+
 # -- shapes -----------------------------------------------------------------------------------------------------------
 
 def scale(u, c, n):

@@ -102,8 +102,8 @@ class DirectionLoops(Expressions):
         last: For | None = None
         for statement in block:
             found = [at(s, statement) for s in self.statement(statement)]
-            alone = (isinstance(self.layout, Apart) and found and self.is_own(found[-1])
-                     and not any(map(self.is_own, found[:-1])))
+            alone = (isinstance(self.layout, Apart) and found and self.is_own(found[-1])     # behind what may go first
+                     and not any(mentioned(s, self.dependent) for s in found[:-1]))
             if last is not None and alone:
                 place = made.index(last)
                 made[place:place] = found[:-1]
