@@ -48,7 +48,7 @@ class DuplicatedNoNeed(Duplicated):
 
 @dataclass(frozen=True, eq=False)
 class BatchDuplicated(Annotation):
-    """`BatchDuplicated(x, shadows)`: several directions in one pass; `autodiff` refuses it so far.
+    """`BatchDuplicated(x, shadows)`: several directions in one pass, with a shadow for each as `Duplicated` has one.
 
     >>> BatchDuplicated(3.0, (1.0, 0.0))
     BatchDuplicated(value=3.0, shadows=(1.0, 0.0))

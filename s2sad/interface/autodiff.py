@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.interface.activities import Active, Annotation, BatchDuplicated, Duplicated, DuplicatedNoNeed, Mode
+from s2sad.interface.activities import Active, Annotation, Duplicated, DuplicatedNoNeed, Mode
 from s2sad.dispatch.arguments import INEXACT, kernel_value, bind, coercion, make_zero, misfit, shadow, check_writable
 from s2sad.diagnostics import Diagnostic, S2sadError, Source, Span
 from s2sad.dispatch.executable import Executable
@@ -35,7 +35,7 @@ class AnnotatedCall:
         self.duplicated = tuple(n for n, a in self.marks.items() if isinstance(a, Duplicated))
         primals = [a.value if isinstance(a, Annotation) else a for a in annotated]
         self._convert(primals, bound)
-        values = self._values(primals)
+        values = self.values_of(primals)
         self.types = state.types(values)
         self.summary = state.summary(self.types)
         for changed in self.summary.changed_outside:
@@ -100,7 +100,7 @@ class AnnotatedCall:
                     help=f"say Duplicated({name}, s2sad.make_zero({name})), or return nothing"))
 
     def __call__(self, primals: Sequence[Any], shadows: Sequence[Any], seed: Any) -> Any:
-        values = self._values(primals)
+        values = self.values_of(primals)
         by_name = dict(zip(self.state.parameters, values))
         owned = dict(zip(self.duplicated, shadows))
         if not self._ready or not self.mode.reverse:
@@ -108,14 +108,14 @@ class AnnotatedCall:
                      for n, s in owned.items()}
         for name in self._plain:
             owned[name] = np.asarray(owned[name])
-        seeds = self._seeds(seed, by_name)
+        seeds = self.seeds_of(seed, by_name)
         if self.variant is None:
             self._refuse_overlap(values)
             self.state.check_bounds(values, self.engine)
-            primal = self._primal(values)
-            return self._returned({} if self.mode.reverse else self._zeros(primal), primal, by_name, owned)
+            primal = self.run_primal(values)
+            return self._returned({} if self.mode.reverse else self.zeros_of(primal), primal, by_name, owned)
         returned = self._derived(values, by_name, owned, seeds)
-        primal = self._primal(values) if self.keeps else None
+        primal = self.run_primal(values) if self.keeps else None
         return self._returned(dict(zip(self.variant.generated.returns if self.mode.reverse else self.places, returned)),
                             primal, by_name, owned)
 
@@ -141,7 +141,7 @@ class AnnotatedCall:
                 shadows[name] += seeds[place]
         return variant.run(arguments, shared)
 
-    def _values(self, primals: Sequence[Any]) -> list[Any]:
+    def values_of(self, primals: Sequence[Any]) -> list[Any]:
         values = [*primals, *self.tail]
         for k, how in self.coercions:
             values[k] = how(values[k])
@@ -152,11 +152,11 @@ class AnnotatedCall:
         if check is not None:
             check(values)
 
-    def _primal(self, values: list[Any]) -> Any:
+    def run_primal(self, values: list[Any]) -> Any:
         returned = self.state.primal(self.types, self.engine)(*values)
         return self.results.with_aliases(returned, dict(zip(self.state.parameters, values)))
 
-    def _zeros(self, primal: Any) -> dict[int, Any]:
+    def zeros_of(self, primal: Any) -> dict[int, Any]:
         """The tangents of arrays that depend on nothing."""
         parts = primal if isinstance(primal, tuple) else (primal,)
         return {k: make_zero(parts[k]) for k in self.results.own if self.results.types[k].is_array}
@@ -169,7 +169,7 @@ class AnnotatedCall:
             derivative = self.results.structure({**found, **aliased})
         return (derivative, primal) if self.mode.with_primal else derivative
 
-    def _seeds(self, seed: Any, values: dict[str, Any]) -> dict[int, Any]:
+    def seeds_of(self, seed: Any, values: dict[str, Any]) -> dict[int, Any]:
         """The adjoints of the returned values, by position; what is Const has none."""
         results = self.results
         seeded = [k for k in results.floats if results.aliases.get(k, "") in ("", *self.duplicated)]
@@ -207,9 +207,6 @@ def _admissible(name: str, mark: Any, mode: Mode) -> None:
         if is_array or isinstance(value, (float, complex, np.floating)):
             raise _refused(f"the argument '{name}' has no annotation",
                            f"say {_fitting_marks(name, is_array, mode)}")
-    elif isinstance(mark, BatchDuplicated):
-        raise _refused(f"the argument '{name}' is BatchDuplicated, which is not supported",
-                       f"call once for each direction with Duplicated({name}, shadow)")
     elif isinstance(mark, Active) and not mode.reverse:
         raise _refused(f"the argument '{name}' is Active, which means nothing in a forward mode",
                        f"use Duplicated({name}, {name}_dot)")

@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import Any, Concatenate, Generic, NoReturn, ParamSpec, TypeVar, overload
 
 from s2sad.interface.autodiff import AnnotatedCall
-from s2sad.interface.activities import Annotation, Const, Duplicated, Mode
+from s2sad.interface.activities import Annotation, BatchDuplicated, Const, Duplicated, Mode
+from s2sad.interface.batch_autodiff import batch_call
 from s2sad.dispatch.arguments import kernel_value, bind, describe
 from s2sad.dispatch.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError
@@ -280,16 +281,21 @@ def autodiff(mode: Mode, f: Callable[..., Any], *annotated: Any, seed: Any = Non
     arrays as `Const(x)`, `Active(x)` (a float, in reverse), `Duplicated(x, shadow)` or `DuplicatedNoNeed(x, shadow)`
     with shadows of the same shape and dtype, everything else as it is or `Const`; seed, the adjoint of the returned
     value: 1.0 by default if that is a float, required with the same structure if it is an array or a tuple (None
-    where that holds no float).
+    where that holds no float). `BatchDuplicated(x, (d1, d2, ...))` gives several directions, which all arguments with
+    shadows have then: forwards comes a tuple with a tangent for each, in reverse a tuple with a derivative for each in
+    place of that of an `Active` argument, and seed is a tuple with one for each. Shadows lie apart.
     Raises S2sadError before anything is written: S402 (an annotation missing or out of place), S403, S404, S405, S406
     (an active value stored in a `Const` array); and what f raises, after which all contents are unspecified.
     Literature: Moses and Churavy, Instead of Rewriting Foreign Code for Machine Learning, NeurIPS 2020.
 
+    >>> import s2sad
     >>> from s2sad import Active, Reverse
     >>> def square(x):
     ...     return x * x
     >>> autodiff(Reverse, square, Active(3.0))
     (6.0,)
+    >>> autodiff(s2sad.Forward, square, s2sad.BatchDuplicated(3.0, (1.0, 0.5)))
+    (6.0, 3.0)
     """
     if not isinstance(mode, Mode):
         raise S2sadError(Diagnostic("S402", f"{mode!r} is no mode",
@@ -297,6 +303,8 @@ def autodiff(mode: Mode, f: Callable[..., Any], *annotated: Any, seed: Any = Non
     given, annotated, _ = apply_functions(f, [
         a.value if isinstance(a, Const) and callable(a.value) else a for a in annotated], {})
     state = derivatives_of(given).state()
+    if any(isinstance(a, BatchDuplicated) for a in annotated):
+        return batch_call(state, mode, annotated, selection_of(f), seed)
     found = with_structures.flat_autodiff(state, mode, annotated, selection_of(f), seed)
     if found is not None:
         return found[0]

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from s2sad import (
-    Active, BatchDuplicated, Const, Duplicated, DuplicatedNoNeed, Forward, ForwardWithPrimal, Reverse,
+    Active, Const, Duplicated, DuplicatedNoNeed, Forward, ForwardWithPrimal, Reverse,
     ReverseWithPrimal, autodiff, jvp, vjp,
 )
 from tests.interface import kernels
@@ -86,8 +86,5 @@ def test_annotations_are_refused():
             autodiff, Reverse, n, Const(u), Duplicated(1.0, 0.0))
     refused("error[S402]: the argument 'n' is Duplicated, but holds no floats\n  help: use Const(n)",
             autodiff, Reverse, kernels.square, Const(u), Const(u), Duplicated(np.ones(2, int), np.ones(2, int)))
-    refused("error[S402]: the argument 'u' is BatchDuplicated, which is not supported\n"
-            "  help: call once for each direction with Duplicated(u, shadow)",
-            autodiff, Forward, n, BatchDuplicated(u, (u,)))
     refused("error[S402]: 'Reverse' is no mode\n  help: use Forward, ForwardWithPrimal, Reverse or ReverseWithPrimal",
             autodiff, "Reverse", n)
