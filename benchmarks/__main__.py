@@ -25,7 +25,7 @@ PARTS: dict[str, tuple[Callable[[bool, list[str]], list[Table]], str]] = {
     "arrays": (arrays.tables, "the same for kernels of whole arrays, under each engine"),
     "overhead": (overhead.tables, "what a call costs over the bare compiled one"),
     "returning": (returning.tables, "functions that return arrays, called four times a step"),
-    "jacobians": (jacobians.tables, "sparse Jacobians in primal calls, products with Hessians in gradients"),
+    "jacobians": (jacobians.tables, "Jacobians in primal calls, directions at once, products with Hessians"),
     "first": (first_gradient.tables, "time to the first gradient, cold and warm cache"),
     "deriving": (deriving.tables, "time to write an adjoint against the length of the kernel, with exponents"),
     "memory": (lambda quick, kernels: [*memory.tables(quick, kernels), *snapshots.tables(quick, kernels)],

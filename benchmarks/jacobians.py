@@ -1,37 +1,124 @@
-"""Jacobians and products with Hessians: in calls of the compiled primal and in gradients, taken in turns."""
+"""Jacobians, batches of directions and products with Hessians: in calls of the compiled primal, in derivatives for one
+direction and in gradients, taken in turns."""
 from __future__ import annotations
 
+import os
+from dataclasses import asdict
 from statistics import median
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 import s2sad
 from benchmarks.kernels.brusselator import brusselator
-from benchmarks.kernels.cases import field
+from benchmarks.kernels.cases import CASES, field
+from benchmarks.peers.sections import Chapter, Section
 from benchmarks.tables import Table
+
+_LEAST = 2e-4       # seconds of a measurement
 
 
 def in_turns(ways: dict[str, Any], rounds: int) -> dict[str, float]:
-    """The median seconds of each way, called one after the other in each round."""
+    """The median seconds of the processor that a call of each way takes, one after the other in each round."""
     taken: dict[str, list[float]] = {name: [] for name in ways}
+    calls = {name: max(1, int(_LEAST / _seconds(way, 1))) for name, way in ways.items()}
     for _ in range(rounds):
         for name, way in ways.items():
-            start = perf_counter()
-            way()
-            taken[name].append(perf_counter() - start)
+            taken[name].append(_seconds(way, calls[name]))
     return {name: median(times) for name, times in taken.items()}
 
 
+def _seconds(way: Any, calls: int) -> float:
+    start = process_time()
+    for _ in range(calls):
+        way()
+    return max((process_time() - start) / calls, 1e-9)
+
+
 def tables(quick: bool, kernels: list[str]) -> list[Table]:
-    """Sparse Jacobians of the Brusselator, and products with the Hessian of a sum of squares behind 20 steps."""
+    """Jacobians, sparse and dense, what integrators make of them, directions at once, and products with Hessians."""
     sparse = Table("Sparse Jacobians of the Brusselator, in calls of its compiled primal",
                    ("n", "matrix", "products", "evaluation", "unchecked", "plan"),
                    [_of_the_brusselator(n, 10 if quick else 200) for n in (8, 32, 128)])
+    dense = Table("The dense Jacobian of upwind, 401 x 401, in calls of its compiled primal",
+                  ("directions at once", "Jacobian", "per direction"), _of_upwind(5 if quick else 50))
+    kernels = ["upwind", "brusselator", "seidel", "advect", "jacobi"]
+    several = Table("Eight directions at once (batch=True), in calls for one", ("kernel", "tangents", "adjoints"),
+                    [_at_once(name, 3 if quick else 20) for name in kernels])
+    stiff = Table("The stiff Brusselator by solve_ivp(method=\"BDF\"), to t = 0.5",
+                  ("n", "Jacobian", "time", "calls of f", "Jacobians", "factorizations"),
+                  [row for n in (16, 64) for row in _integrated(n, 1 if quick else 3)],
+                  ["Nearly all of the time goes into factorizations. Without its pattern SciPy factors dense matrices, at "
+                   "n = 64 of 8192 rows."])
     hessian = Table("A product with the Hessian, in gradients", ("u", "gradient", "product", "ratio"),
                     [_with_the_hessian(n, 10 if quick else 100) for n in (100, 1000, 10_000)])
-    return [sparse, hessian]
+    return [sparse, dense, several, stiff, hessian]
+
+
+def _of_upwind(rounds: int) -> list[tuple[str, ...]]:
+    case = CASES["upwind"]
+    args = case.arguments("large")
+    f = s2sad.differentiate(case.function, engine="numba", wrt="u", of="du")
+    primal = f.compiled("primal", *args)
+    made: dict[int | str, Any] = {b: s2sad.jacobian(f, batch=b) for b in (1, 8, 16)}
+    for J in made.values():
+        J(*args)
+    found = in_turns({"primal": lambda: primal(*args), **{
+        str(b): lambda J=J: J(*args) for b, J in made.items()}}, rounds)
+    unit = found.pop("primal")
+    return [(b, f"{taken / unit:.0f}", f"{taken / unit / args[1].size:.1f}") for b, taken in found.items()]
+
+
+def _at_once(name: str, rounds: int) -> tuple[str, ...]:
+    """Both modes of a kernel, through `jvp` and `vjp` as users call them."""
+    case, rng = CASES[name], np.random.default_rng(1)
+    args = case.arguments("large")
+    f = s2sad.differentiate(case.function, engine="numba")
+    by_name = dict(zip(f.__wrapped_kernel__.__code__.co_varnames, args))
+    wrt, of = case.wrt[0], case.of[0]
+    along = rng.standard_normal((8, *np.shape(by_name[wrt])))
+    weights = rng.standard_normal((8, *np.shape(by_name[of]))) if of != "return" else rng.standard_normal(8)
+    one, seed = along[0].copy(), weights[0].copy() if weights.ndim > 1 else float(weights[0])
+    ways = {"tangent": lambda: s2sad.jvp(f, args, {wrt: one}, of=(of,)),
+            "tangents": lambda: s2sad.jvp(f, args, {wrt: along}, of=(of,), batch=True),
+            "adjoint": lambda: s2sad.vjp(f, args, {of: seed}, wrt=wrt),
+            "adjoints": lambda: s2sad.vjp(f, args, {of: weights}, wrt=wrt, batch=True)}
+    for way in ways.values():
+        way()
+    found = in_turns(ways, rounds)
+    return name, *(f"{found[f'{mode}s'] / found[mode]:.1f}" for mode in ("tangent", "adjoint"))
+
+
+def _integrated(n: int, rounds: int) -> list[tuple[str, ...]]:
+    """The same integration with our Jacobian, with SciPy's differences of columns that share no row, and with its
+    differences of single columns."""
+    u, p = field(n), np.array([3.4, 1.0, 10.0 * (n - 1) ** 2 / 961, 1.0 / n])
+    f = s2sad.differentiate(brusselator, engine="numba", wrt="u", of="du")
+    du, primal, calls = np.zeros_like(u), f.compiled("primal", np.zeros_like(u), u, p, 0.0), [0]
+    J = s2sad.jacobian(f, sparse=True)
+    plan = J.plan(du, u, p, 0.0)
+    pattern = plan.matrix(np.ones(len(plan.indices)))
+
+    def rate(t: float, y: np.ndarray) -> np.ndarray:
+        calls[0] += 1
+        made = np.empty_like(u)
+        primal(made, y.reshape(u.shape), p, t)
+        return made.reshape(-1)
+
+    def solved(**how: Any) -> Any:
+        calls[0] = 0
+        solution = solve_ivp(rate, (0.0, 0.5), u.reshape(-1), method="BDF", rtol=1e-6, atol=1e-8, **how)
+        return calls[0], solution.njev, solution.nlu
+
+    how: dict[str, dict[str, Any]] = {"s2sad": {"jac": lambda t, y: J(du, y.reshape(u.shape), p, t)},
+                                      "SciPy, with the pattern": {"jac_sparsity": pattern}}
+    if n <= 16:
+        how["SciPy"] = {}
+    counts = {name: solved(**options) for name, options in how.items()}
+    found = in_turns({name: lambda options=options: solved(**options) for name, options in how.items()}, rounds)
+    return [(str(n), name, f"{1e3 * taken:.0f} ms", *map(str, counts[name])) for name, taken in found.items()]
 
 
 def _of_the_brusselator(n: int, rounds: int) -> tuple[str, ...]:
@@ -64,3 +151,20 @@ def _diffused(u, dt, steps):
         for i in range(1, v.size - 1):
             v[i] = v[i] + dt * (v[i - 1] - 2.0 * v[i] + v[i + 1] + v[i] ** 2 - v[i] ** 3)
     return np.sum(v ** 2)
+
+
+def measure(quick: bool) -> dict[str, Any]:
+    """The tables, as plain data."""
+    return {"load": os.getloadavg()[0], "tables": [asdict(table) for table in tables(quick, [])]}
+
+
+def render(found: dict[str, Any]) -> Chapter:
+    """The tables, and how busy the machine was."""
+    made = [Table(t["title"], tuple(t["columns"]), [tuple(row) for row in t["rows"]], t["notes"])
+            for t in found["tables"]]
+    return Chapter(body=[
+        "Under Numba, by batches of directions; sparse Jacobians with the check by one more direction and without it.",
+        *made, f"The machine is shared: its load was {found['load']:.1f} on 2 cores when this was measured."])
+
+
+SECTION = Section("jacobians", "Jacobians", measure, render, minutes=6)

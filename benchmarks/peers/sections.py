@@ -32,7 +32,8 @@ from typing import Any
 from benchmarks.tables import Table
 
 MODULES = {"peers": "benchmarks.peers.comparison", "gradbench": "benchmarks.peers.gradbench",
-           "published": "benchmarks.published.section", "snapshots": "benchmarks.snapshot_curves"}
+           "published": "benchmarks.published.section", "snapshots": "benchmarks.snapshot_curves",
+           "jacobians": "benchmarks.jacobians"}
 
 
 @dataclass(frozen=True)
