@@ -50,8 +50,8 @@ def tables(quick: bool, kernels: list[str]) -> list[Table]:
     stiff = Table("The stiff Brusselator by solve_ivp(method=\"BDF\"), to t = 0.5",
                   ("n", "Jacobian", "time", "calls of f", "Jacobians", "factorizations"),
                   [row for n in (16, 64) for row in _integrated(n, 1 if quick else 3)],
-                  ["Nearly all of the time goes into factorizations. Without its pattern SciPy factors dense matrices, at "
-                   "n = 64 of 8192 rows."])
+                  ["Nearly all of the time goes into factorizations. Without its pattern SciPy factors dense matrices, "
+                   "at n = 64 of 8192 rows."])
     hessian = Table("A product with the Hessian, in gradients", ("u", "gradient", "product", "ratio"),
                     [_with_the_hessian(n, 10 if quick else 100) for n in (100, 1000, 10_000)])
     return [sparse, dense, several, stiff, hessian]
