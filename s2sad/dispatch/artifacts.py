@@ -132,9 +132,9 @@ def address(guards: Guards, function: FunctionType, held: Iterable[Any], kernel:
     try:
         described, numbers = _describe_guards(guards, (function,))
         _literal(_of_kernel(kernel))
+        return _address(described, function) if all(id(v) in numbers for v in held) else None
     except NotSerializable:
         return None
-    return _address(described, function) if all(id(v) in numbers for v in held) else None
 
 
 def _address(described: Any, function: FunctionType) -> str:

@@ -209,7 +209,7 @@ class _ArrayAnf:
         """The subscript with names for the arrays in it."""
         arrays = self.index_arrays(node)
         base = self.hoisted(node.value, before)
-        if not isinstance(base, (Name, Subscript)):
+        if not isinstance(base, (Name, Subscript)) or self.is_gather(base):
             base = name(self.bind(node.value, base, before))
         parts = [self.named_index_array(s, before) if s in arrays else self.hoisted(s, before) for s in indices(node)]
         return at(Subscript(base, index(node.value, *parts).slice, node.ctx), node)

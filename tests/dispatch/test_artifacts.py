@@ -268,3 +268,20 @@ def test_a_process_that_finds_everything_goes_without_the_compiler(processes, tm
     runs = [subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, env=environment,
                            check=True).stdout.split() for _ in range(2)]
     assert runs == [["36.0", "True", "True", "True", "True"], ["36.0", "False", "False", "True", "True"]]
+
+
+KEYED = """
+import enum
+
+Kind = enum.Enum("Kind", "ION ATOM")
+BONDS = {(Kind.ION, 1): 3.0}
+
+
+def bonded(x):
+    return BONDS[Kind.ION, 1] * x * x
+"""
+
+
+def test_keys_that_nothing_identifies_elsewhere(processes):
+    processes.write(KERNEL + KEYED)
+    assert slope(processes.fresh().bonded, 2.0) == 12.0

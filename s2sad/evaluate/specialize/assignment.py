@@ -13,7 +13,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation, statement
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     NONE, UNKNOWN, ClassValue, Data, LibraryValue, ObjectValue, Reference, ScopeValue, SliceValue, TupleValue, Value,
-    constant,
+    constant, parts,
 )
 from s2sad.tree import AST
 
@@ -166,7 +166,7 @@ def assign(ev: Evaluator, s: Any, f: Frame) -> None:
         ev.targets = _simple_names(first)
     value = ev.carried(s.value, f)
     if len(s.targets) > 1 or isinstance(first, (tree.Tuple, tree.List)):
-        value = _held_items(ev, value, s)
+        value = _held_items(ev, value, s, f)
     for target in s.targets:
         store(ev, target, value, f, s)
 
@@ -187,21 +187,31 @@ def _simple_names(target: AST) -> tuple[str, ...]:
     return tuple(names) if len(names) == len(parts) == len({*names}) else ()
 
 
-def _held_items(ev: Evaluator, value: Value, s: Any) -> Value:
+def _held_items(ev: Evaluator, value: Value, s: Any, f: Frame) -> Value:
     """What several targets take: each item under a name before the first is bound."""
     if not isinstance(value, TupleValue) or len(s.targets) > 1 or not isinstance(s.targets[0], (tree.Tuple, tree.List)):
         return ev.atoms(value, s.targets[0].id if isinstance(s.targets[0], tree.Name) else "value", s)
-    bound = {n.id for t in s.targets for n in tree.walk(t) if isinstance(n, tree.Name)}
-    simple = all(isinstance(t, tree.Name) for t in s.targets[0].elts)
-    reads = [n.id for v in value.items if isinstance(v, Data) for n in tree.walk(v.node) if isinstance(n, tree.Name)]
-    if simple and not bound & {*reads} and len(value.items) == len(s.targets[0].elts) and not any(
-            isinstance(v, Data) and not v.is_atom and ev.effects < 0 for v in value.items):
-        names = [t.id for t in s.targets[0].elts]
+    targets = s.targets[0].elts
+    simple = all(isinstance(t, tree.Name) for t in targets) and len(value.items) == len(targets)
+    bound = {n for t in targets for n in _residual_names(ev, t.id, f)} if simple else set()
+    if simple and not any(_mentions(v, bound) for v in value.items):
+        names = [t.id for t in targets]
         return replace(value, items=tuple(v if isinstance(v, Data) and not v.is_atom and k == 0 else ev.atoms(v, n, s)
                                           for k, (v, n) in enumerate(zip(value.items, names))))
     wanted = [t.id if isinstance(t, tree.Name) else "item" for t in s.targets[0].elts]
     wanted += ["item"] * (len(value.items) - len(wanted))
     return replace(value, items=tuple(ev.atoms(v, w, s) for v, w in zip(value.items, wanted)))
+
+
+def _residual_names(ev: Evaluator, target: str, f: Frame) -> list[str]:
+    """The residual name that a name of the user's has now, which its new value may get."""
+    now = ev.heap[holder_of(ev, f, target)].items.get(target)
+    return [n.id for n in tree.walk(now.node) if isinstance(n, tree.Name)] if isinstance(now, Data) else []
+
+
+def _mentions(value: Value, names: set[str]) -> bool:
+    return any(isinstance(n, tree.Name) and n.id in names for n in tree.walk(value.node)) if isinstance(
+        value, Data) else any(_mentions(part, names) for part in parts(value))
 
 
 @statement("AnnAssign")

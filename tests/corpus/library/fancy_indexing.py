@@ -46,8 +46,19 @@ def of_a_product(a):
     return np.sum((a @ a.T)[np.triu_indices(4, 1)] ** 2) + np.sum((a * 2)[a > 0])
 
 
-CASES = [(f, V, "v") for f in (places, mask, several, stored, in_a_loop)] + [
-    (f, A, "a") for f in (places_on_two_axes, of_a_product)]
+def of_what_is_picked(v):
+    v[[0, 1, 1]][[0, 2]] *= 2.0         # a copy
+    picked = v[[0, 2, 3]][[1, 1]]
+    return np.sum(picked ** 2) * v[v > 0.0][[0, 1]].sum()
+
+
+def of_columns(a):
+    picked = a[..., [0, 1]][[0, 2]]
+    return picked.shape[0] * np.sum(picked ** 2) + np.sum(a[:, [0, 2]][1:][:, 1] ** 2)
+
+
+CASES = [(f, V, "v") for f in (places, mask, several, stored, in_a_loop, of_what_is_picked)] + [
+    (f, A, "a") for f in (places_on_two_axes, of_a_product, of_columns)]
 
 
 def cases():

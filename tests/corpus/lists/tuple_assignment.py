@@ -53,7 +53,27 @@ def beside_a_call(x):
     return t[0] ** 2 * t[1] * t[2]
 
 
+class Gain:
+    def __init__(self, value):
+        self.value = value
+
+
+def weighted(gain, x, scale):
+    gain.value = gain.value + scale
+    ahead, behind = 0.0 * scale, 0.0 * scale
+    a, b = scale, (0.0, 1.0)
+    for k in range(len(x)):
+        ahead, behind = x[k] + gain.value * ahead - scale * behind, ahead
+        a, b = a * x[k] + 1.0, (a, b[0])
+    return ahead - behind + a * b[0] * b[1]
+
+
+def where_it_is_called(x):      # twice: names of the caller's are other ones than the text's
+    gain = Gain(x[0])
+    return weighted(gain, x, 0.4) * weighted(gain, x, 0.2)
+
+
 def cases():
     # values are read before the first store
-    for kernel in (swapped, rotated, arrays, in_a_loop, beside_a_call):
+    for kernel in (swapped, rotated, arrays, in_a_loop, beside_a_call, where_it_is_called):
         yield Case(kernel, (np.array([0.7, 1.2, 0.4]),), ("x",))
