@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from s2sad.evaluate.argument_binding import OPTIONS, parameters_of_library, result_count
+from s2sad.evaluate.library_functions import WITH_OPTION, WRITTEN
 from s2sad.program import Program
 from s2sad.tree import (
     AST, Assign, Attribute, Call, Compare, Dict, Expr, For, FunctionDef, GeneratorExp, In, Is, IsNot, List, ListComp,
@@ -52,11 +53,26 @@ def _asks(node: AST) -> bool:
     if isinstance(node, Subscript):
         return call_name(node.value) == "builtins.zip"      # a module's rows of numbers
     if isinstance(node, Call):
-        return call_name(node) in _ASKED or any(
+        return _is_written(node) or call_name(node) in _ASKED or any(
             option in OPTIONS and not _is_known(value) for option, value in arguments_by_name(node))
     if isinstance(node, For):
         return call_name(node.iter) != "builtins.range"
     return isinstance(node, (Dict, GeneratorExp, ListComp))
+
+
+def _is_written(node: Call) -> bool:
+    """Whether a call may be one of what the evaluator reads a function for."""
+    called = call_name(node) or (f"numpy.{node.func.attr}" if isinstance(node.func, Attribute) else "")
+    _, options = WITH_OPTION.get(called, (None, ()))
+    if any(k.arg in options for k in node.keywords):
+        return True
+    path, given = call_name(node) or "", [*node.args, *(k.value for k in node.keywords)]
+    if path == "numpy.append":
+        return len(given) > 2
+    if path in ("numpy.linspace", "numpy.expand_dims"):
+        return any(isinstance(a, (List, Subscript, Tuple)) for a in given[:2])
+    return path in WRITTEN or path == "numpy.unravel_index" or path.startswith("numpy.polynomial.") and (
+        path.endswith("gauss"))
 
 
 def _is_known(option: AST) -> bool:

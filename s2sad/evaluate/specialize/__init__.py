@@ -12,13 +12,15 @@ from s2sad.evaluate.specialize import (
     assignment, attributes, comparisons, definitions, displays, file_values, frames, function_calls, live_values,
     meanings, numeric_operators, shape_changes, spelling, subscripts,
 )
-from s2sad.evaluate.specialize.classes import class_layout, class_lookup, construction
+from s2sad.evaluate.specialize.classes import (
+    attribute_dictionary, class_attributes, class_layout, class_lookup, construction,
+)
 from s2sad.evaluate.specialize.control import (
     branches, choices, compound_statements, guard_statements, loop_statements, residual_loops, written_out_loops,
 )
 from s2sad.evaluate.specialize.entry import Residual, specialize, unread
 from s2sad.evaluate.specialize.functions import (
-    builtin_functions, library_calls, object_functions, ordering, standard_library,
+    builtin_functions, library_calls, object_functions, ordering, standard_library, written_functions,
 )
 from s2sad.evaluate.specialize.separate import derivative_calls, separate_call
 from s2sad.evaluate.specialize.sparse import matrix_construction, matrix_operations, matrix_values
@@ -28,12 +30,12 @@ from s2sad.evaluate.specialize.sequences import (
 )
 
 __all__ = [
-    "Residual", "assignment", "attributes", "branches", "builtin_functions", "choices", "class_layout",
-    "class_lookup", "comparisons", "compound_statements", "constant_tables", "construction", "container_methods",
-    "containers", "cursors", "definitions", "derivative_calls", "displays", "file_values", "frames",
-    "function_calls", "gathering", "generators", "guard_statements", "iteration", "iterator_use", "library_calls",
-    "live_values", "loop_statements", "matrix_construction", "matrix_operations", "matrix_values", "meanings",
-    "nested_ranges", "numeric_operators", "object_functions", "ordering", "residual_loops", "separate_call",
-    "shape_changes", "shared_rows", "specialize", "spelling", "standard_library", "subscripts", "unread",
-    "written_out_loops",
+    "Residual", "assignment", "attribute_dictionary", "attributes", "branches", "builtin_functions", "choices",
+    "class_attributes", "class_layout", "class_lookup", "comparisons", "compound_statements", "constant_tables",
+    "construction", "container_methods", "containers", "cursors", "definitions", "derivative_calls", "displays",
+    "file_values", "frames", "function_calls", "gathering", "generators", "guard_statements", "iteration",
+    "iterator_use", "library_calls", "live_values", "loop_statements", "matrix_construction", "matrix_operations",
+    "matrix_values", "meanings", "nested_ranges", "numeric_operators", "object_functions", "ordering",
+    "residual_loops", "separate_call", "shape_changes", "shared_rows", "specialize", "spelling", "standard_library",
+    "subscripts", "unread", "written_functions", "written_out_loops",
 ]

@@ -109,6 +109,9 @@ def place_of(ev: Evaluator, target: Any, f: Frame) -> tuple[Value, Any]:
 def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f: Frame, statement: AST | None = None
               ) -> None:
     """The value becomes an item or an attribute; `origin` is the target, in `statement`."""
+    if ev.is_attribute_dictionary(base):
+        ev.assign_attributes(base, {ev.key_of(key, origin): value}, origin, f)
+        return
     base = ev.indexed(base, origin)
     if isinstance(base, Data) and key == "shape" and ev.reshape_in_place(base, value, origin):
         return
@@ -139,6 +142,8 @@ def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f
     elif isinstance(base, TupleValue):
         raise ev.refusal(origin, f"{ev.subject(base, origin)} is a tuple, to which nothing can be assigned",
                          help="return the new value, or make it a list")
+    elif isinstance(base, ClassValue) and isinstance(key, str):
+        ev.assign_class_attribute(base, key, value, origin)
     elif isinstance(base, (ClassValue, ScopeValue, ObjectValue)):
         raise ev.refusal(origin, "an attribute of a class or a module is assigned",
                          help="keep it in an object that the kernel is given")

@@ -58,6 +58,8 @@ def attribute_of(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> 
         if found is ABSENT:
             raise ev.refusal(node, f"{base.value!r} has no '{name}'")
         return ev.outside_value(name, found, node, f)
+    if ev.is_attribute_dictionary(base):
+        return MethodValue(base, name)
     if isinstance(base, FunctionValue) and name in ("__name__", "__doc__"):
         return constant(base.captured.name if name == "__name__" else "")
     if isinstance(base, Iteration):
@@ -102,7 +104,7 @@ def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AS
     if ev.class_item(held.made, "__getattribute__", node, f) is not None:
         raise ev.refusal(node, "an attribute is read, and the class says how: '__getattribute__'",
                          help="write what it does")
-    found = ev.class_item(held.made, name, node, f)
+    found = ev.class_item(held.made, name, node, f) if name != "__dict__" else None
     data = found is not None and isinstance(found[1], LibraryValue) and found[1].path == "builtins.property"
     if not data and name in held.items:
         return held.items[name]
@@ -125,7 +127,7 @@ def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AS
             return ev.heap[base].items[name]
         return ev.bound(found[1], base, held.made, node, f)
     if name == "__dict__":
-        raise ev.refusal(node, "the dictionary of an object's attributes", help="name the attributes")
+        return ev.attribute_dictionary(base, node)
     fallback = ev.class_item(held.made, "__getattr__", node, f)
     if fallback is not None:
         return ev.call(ev.bound(fallback[1], base, held.made, node, f), [constant(name)], {}, node, f)
@@ -199,6 +201,9 @@ def _of_class(ev: Evaluator, base: ClassValue, name: str, node: AST, f: Frame) -
         found = taken(base.live, "attribute", name)
         if isinstance(found, base.live):
             return ev.member(found)
+    layout = ev.layout_of(base) if name == "_make" else None
+    if layout is not None and layout.kind == "named":
+        return MethodValue(base, name)
     found = ev.class_item(base, name, node, f)
     if found is None:
         raise ev.refusal(node, f"the class '{base.name}' has no attribute '{name}'")

@@ -77,6 +77,8 @@ def dict_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
     for key in node.keys:
         if key is None:
             merged = next(values)
+            if ev.is_attribute_dictionary(merged):
+                merged = ev.attributes_now(merged, node)
             if not isinstance(merged, Reference) or ev.heap[merged].kind != "dict":
                 raise ev.unknown(node, "what ** unpacks must be a dict that is known", merged)
             found |= ev.heap[merged].items

@@ -107,6 +107,8 @@ class Evaluator(Operations):
         self.layouts: dict[int, Any] = {}                   # of classes that are defined here, by number
         self.annotated: dict[int, dict[str, AST]] = {}      # the annotations in their bodies
         self.live: dict[int, Value] = {}                    # objects of modules, by id
+        self.assigned_attributes: set[Any] = set()          # of classes from outside, that the kernel assigns
+        self.assigned_classes: dict[type, Reference] = {}   # where these attributes are
         self.held: list[Any] = []
         self.loops_of: dict[Any, Any] = {}                      # the loops of comprehensions
         self.loops: list[Any] = []                              # residual loops around

@@ -12,6 +12,7 @@ import numpy
 
 from s2sad import tree
 from s2sad.diagnostics import S2sadError
+from s2sad.evaluate.specialize.classes.class_attributes import AssignedAttribute
 from s2sad.evaluate.specialize.classes.class_layout import ClassField
 from s2sad.evaluate.specialize.definitions import class_of_definition
 from s2sad.evaluate.specialize.evaluation_state import Frame
@@ -99,6 +100,8 @@ class _Met:
 @operation
 def met_in_advance(ev: Evaluator, value: Any, node: AST, f: Frame) -> Value | None:
     """What was met in a branch or a loop, evaluated before; None for a live value."""
+    if isinstance(value, AssignedAttribute):
+        return ev.class_attribute_begins(value, node, f)
     if isinstance(value, _MetDefault):
         return file_default(ev, value.function, value.name, node)
     return file_value(ev, value.origin, value.meaning, node, f) if isinstance(value, _Met) else None

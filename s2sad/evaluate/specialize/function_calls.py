@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate import random_numbers
+from s2sad.evaluate import library_functions, random_numbers
 from s2sad.evaluate.effects import is_writing_call
 from s2sad.evaluate.mutating_calls import stored_out
 from s2sad.evaluate.specialize.control.choice_joins import are_functions
@@ -28,6 +28,7 @@ from s2sad.evaluate.specialize.values import (
 from s2sad.live_objects.registry import GIVEN
 from s2sad.tree import AST
 
+_OF_LIBRARIES = (random_numbers.__file__, library_functions.__file__)
 DEEPEST = 60        # calls within calls: beyond, recursion does not end for what is known
 
 
@@ -97,6 +98,9 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
             if function.base.is_list and function.name == "extend" and len(args) == 1:
                 ev.extend_residual(function.base, args[0], node, f)
                 return NONE
+            written = ev.written_function(f"numpy.{function.name}", [function.base, *args], keywords, node, f)
+            if written is not None:
+                return written
             args, keywords = with_known_options(ev, f"numpy.{function.name}", args, keywords, node, is_method=True)
             if function.base.is_list:
                 args = [Data(ev.spelled_item(a, node, f)) if isinstance(a, (Reference, TupleValue)) else a
@@ -156,8 +160,8 @@ def _function(ev: Evaluator, function: FunctionValue, args: Sequence[Value], key
         return residual_call(ev, tree.at(tree.name(ev.residual_function(function, node)), node),
                              [*function.first, *args], {**dict(function.keywords), **keywords}, node)
     args, keywords = [*function.first, *args], {**dict(function.keywords), **keywords}
-    if function.captured.source.path == random_numbers.__file__:
-        return drawn(ev, function, args, keywords, node, f)
+    if function.captured.source.path in _OF_LIBRARIES:
+        return as_written(ev, function, args, keywords, node, f)
     if ev.handlers:         # which catch what it raises
         return inlined(ev, function, args, keywords, node, f)
     found = ev.separate_call(function, args, keywords, node, f)
@@ -169,9 +173,10 @@ def is_given(function: FunctionValue) -> bool:
     return function.handle is not None and GIVEN.own(function.handle) is not None
 
 
-def drawn(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywords: Mapping[str, Value], node: AST,
-          f: Frame) -> Value:
-    """What a function of random numbers gives, whose body is where it is called, as if it stood in the user's text."""
+def as_written(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywords: Mapping[str, Value], node: AST,
+               f: Frame) -> Value:
+    """What a function gives that says what a library's does: its body is where it is called, as if it stood in the
+    user's text."""
     first = len(ev.block)
     found = inlined(ev, function, args, keywords, node, f)
     made = [*ev.block[first:], *([found.node] if isinstance(found, Data) else [])]

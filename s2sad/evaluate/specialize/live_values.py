@@ -207,6 +207,8 @@ def _key(ev: Evaluator, key: Any) -> Any:
         return member(ev, key)
     if isinstance(key, (types.FunctionType, type)):
         return ObjectValue(key, ("object", id(key)))
+    if type(key) in (tuple, frozenset):
+        return type(key)(_key(ev, k) for k in key)
     return key
 
 

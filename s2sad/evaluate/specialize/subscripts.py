@@ -67,6 +67,8 @@ def indexed(ev: Evaluator, base: Value, node: AST) -> Value:
     """What is indexed: `x.flat` and `np.mgrid` by expressions of their own."""
     if isinstance(base, MethodValue) and base.name == "flat" and isinstance(base.base, Data):
         return Data(tree.at(tree.attribute(ev.spelled(base.base, node), "flat"), node))
+    if ev.is_attribute_dictionary(base):
+        return ev.attributes_now(base, node)
     if isinstance(base, LibraryValue) and base.path in GRIDS:
         return Data(ev.spelled(base, node))
     return base

@@ -43,9 +43,8 @@ _OPTIONS = {**dict.fromkeys(("numpy.empty", "numpy.zeros", "numpy.ones"), ("shap
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")
 _HELP = {
     "numpy.squeeze": "name the axis: np.squeeze(x, axis=0), or write x[0]",
-    "numpy.piecewise": "write np.where, or np.select of arrays",
     "numpy.histogram": "give numbers with one axis, and a number of bins or an array of edges",
-    "numpy.unwrap": "add the jumps in a loop", "numpy.compress": "give a condition with one axis",
+    "numpy.compress": "give a condition with one axis",
     "numpy.partition": "write np.sort(x), whose order is determined",
     "scipy.linalg.qr.triangular": "of a stack write np.linalg.qr(a, mode='r'): SciPy gives it without a tuple",
     "numpy.setdiff1d": "give two arrays of integers, without assume_unique=",

@@ -226,10 +226,6 @@ def fractional(x):
     return np.linalg.norm(np.diag(x), 0.5)
 
 
-def initial(x):
-    return np.sum(np.max(x, initial=3.0))
-
-
 def along(x):
     return np.sum(x) * np.sum(np.argmax(np.diag(x), axis=0, keepdims=True))
 
@@ -286,9 +282,6 @@ def cases():
             (fractional,
              "S301 at `np.linalg.norm(np.diag(x), 0.5)`: no derivative rule for numpy.linalg.norm: write it as a "
              "loop over the elements"),
-            (initial,
-             "S301 at `np.max(x, initial=3.0)`: no derivative rule for numpy.max with initial=: write it as a loop "
-             "over the elements"),
             (along,
              "S301 at `np.argmax(np.diag(x), axis=0, keepdims=True)`: no derivative rule for numpy.argmax with more "
              "than the array: write it as a loop over the elements")):

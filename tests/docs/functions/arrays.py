@@ -75,6 +75,8 @@ ROWS = {
         np.add.reduceat(x, [0, 2])
     """,
     "shape": """
+        np.broadcast_arrays(m, x)[1] * np.rollaxis(m, 1)
+        np.lib.stride_tricks.sliding_window_view(x, 2)
         np.reshape(m, (2, 8)) * m.reshape(2, -1)
         np.ravel(m) * m.ravel() * m.flatten()
         np.reshape(m, (2, 8), order="F") * m.reshape(2, -1, order="C")

@@ -8,6 +8,7 @@ ROWS = {
         np.sum(s, axis=(0, 2))
         np.mean(m, axis=0) * x.mean()
         np.max(m, axis=0) * x.max()
+        np.mean(m, axis=0, where=m > 0.2) * np.max(x, initial=0.6) * np.std(x, where=x > 0.4)
         np.min(m, axis=0) * x.min()
         np.prod(m, axis=0) * x.prod()
         np.prod(x, where=x > 0.5, initial=2)
@@ -68,6 +69,11 @@ ROWS = {
         np.histogram(y, bins=g, weights=x)[0]
         m[np.ix_(p, p)]
     """,
+    "given a function": """
+        np.piecewise(x, [x < 0.5], [np.sin, 1.0])
+        np.apply_along_axis(np.sum, 0, m)
+        x * np.fromfunction(lambda i: i * i, (4,))
+    """,
     "order and selection": """
         np.sort(x) * y
         np.sort(m, axis=0) * m
@@ -91,6 +97,7 @@ ROWS = {
         np.clip(x, 0.3, 0.8) * x.clip(0.3, 0.8)
     """,
     "sums and differences": """
+        np.unwrap(9.0 * x)
         np.diff(x)
         np.diff(m, axis=0)
         np.diff(x, 2)
@@ -112,6 +119,17 @@ ROWS = {
         np.polyder(x)
         np.polyint(x)
         np.polymul(x, y)
+        np.polyadd(x, y[:2]) * np.polysub(x[:3], y)
+        np.poly1d(x); (z * z + z)(0.5)
+        np.polynomial.Polynomial(x)(y[0])
+        np.polynomial.chebyshev.chebval(x, y)
+        np.polynomial.legendre.legval(x, y)
+        np.polynomial.hermite.hermval(x, y)
+        np.polynomial.hermite_e.hermeval(x, y)
+        np.polynomial.laguerre.lagval(x, y)
+        x * np.polynomial.legendre.leggauss(4)[0] * np.polynomial.chebyshev.chebgauss(4)[1]
+        x * np.polynomial.hermite.hermgauss(4)[0] * np.polynomial.hermite_e.hermegauss(4)[1]
+        x * np.polynomial.laguerre.laggauss(4)[0]
         np.ldexp(x, 2)
         np.cross(x[:3], y[:3])
     """,

@@ -62,6 +62,9 @@ def class_item(ev: Evaluator, made: ClassValue | None, name: str, node: AST, f: 
             if name in items:
                 return c, items[name]
             continue
+        own = ev.assigned_classes.get(c.live)
+        if own is not None and name in ev.heap[own].items:
+            return c, ev.heap[own].items[name]
         found = taken(c.live, "own", name)
         if isinstance(found, types.MemberDescriptorType):
             continue        # a slot: what lies in the object

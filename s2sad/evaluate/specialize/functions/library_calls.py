@@ -45,7 +45,7 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
         before = ev.snapshot()
         try:
             found = known(ev, list(args), dict(keywords), node, f)
-        except Unevaluated:
+        except Unevaluated as first:
             if not any(isinstance(a, Iteration) and a.kind == "generator" for a in args):
                 raise
             ev.restore(before)
@@ -53,9 +53,15 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
             if path in _STOPPING and ev.has_acted(before):
                 raise       # Python does no more than it needs to
             ev.called = path.rpartition(".")[2]
-            found = known(ev, list(args), dict(keywords), node, f)
+            try:
+                found = known(ev, list(args), dict(keywords), node, f)
+            except Unevaluated:
+                raise first from None       # which says what would help
         if found is not None:
             return found
+    written = ev.written_function(path, args, keywords, node, f)
+    if written is not None:
+        return written
     array = ev.constant_array(path, args, keywords) if ev.evaluates_module else None
     if array is not None:
         return array

@@ -60,10 +60,7 @@ def _text(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> V
 # -- attributes and fields ---------------------------------------------------------------------------------------------
 @function("builtins.vars")
 def _vars(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
-    held = ev.heap[args[0]] if args and isinstance(args[0], Reference) else None
-    if held is None or held.kind != "record" or held.live is not None:
-        raise ev.refusal(node, "vars of this is not supported in a kernel", help="name the attributes")
-    return ev.new_dict(held.items, node)
+    return ev.attribute_dictionary(args[0] if args else NONE, node)
 
 
 def _fields(ev: Evaluator, value: Value, node: AST, f: Frame) -> dict[str, Value]:

@@ -11,7 +11,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    FACTORY, NONE, Data, Iteration, OpaqueValue, Reference, TupleValue, Value, constant,
+    FACTORY, NONE, ClassValue, Data, Iteration, MethodValue, OpaqueValue, Reference, TupleValue, Value, constant,
 )
 from s2sad.tree import AST
 
@@ -44,6 +44,10 @@ def container_method(ev: Evaluator, base: Value, name: str, args: list[Value], k
         return ev.list_of([constant(i) for i in found], node) if isinstance(found, list) else constant(found)
     if isinstance(base, TupleValue):
         return ev.tuple_method(base, name, args, keywords, node, f)
+    if isinstance(base, ClassValue):        # _make
+        return ev.constructed(base, ev.items_of(args[0], node, f), {}, node, f)
+    if isinstance(base, MethodValue):
+        return ev.dictionary_method(base, name, args, keywords, node, f)
     assert isinstance(base, Reference)
     if is_sparse(base, ev.heap):
         return ev.matrix_method(base, name, args, keywords, node, f)
@@ -194,6 +198,8 @@ def _clear(ev: Evaluator, base: Reference, args: list[Value], _: Any, node: AST,
 @operation
 def dict_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> dict[Hashable, Value]:
     """What `dict(value)` holds."""
+    if ev.is_attribute_dictionary(value):
+        value = ev.attributes_now(value, node)
     if isinstance(value, Reference) and ev.heap[value].kind == "dict":
         return _plain(ev.heap[value])
     pairs = [ev.items_of(pair, node, f) for pair in ev.items_of(value, node, f)]

@@ -24,6 +24,8 @@ def key_of(ev: Evaluator, value: Value, node: AST) -> Hashable:
     if isinstance(value, Reference) and (ev.compares_fields(value) or ev.class_item(
             ev.class_of(value), "__eq__", node, ev.entry) is not None):
         raise ev.refusal(node, "a key of a class that says what equal is", help="use a text or a number")
+    if isinstance(value, Reference) and ev.heap[value].kind == "set":
+        return frozenset(ev.heap[value].items)
     if isinstance(value, (Reference, FunctionValue, ObjectValue, ClassValue)):
         return value
     if isinstance(value, TupleValue):

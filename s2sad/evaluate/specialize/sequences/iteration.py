@@ -56,6 +56,8 @@ def items_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
 @operation
 def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
     """The same of what is marked as used."""
+    if ev.is_attribute_dictionary(value):
+        value = ev.attributes_now(value, node)
     if isinstance(value, TupleValue):
         own = ev.special_method(value, "__iter__", node, f)
         return list(value.items) if own is None else items_of(ev, ev.call(own, [], {}, node, f), node, f)

@@ -9,8 +9,8 @@ from s2sad.evaluate.specialize.values import NONE, Data, SliceValue, TupleValue,
 from s2sad.read.outside_values import library_value
 
 Shape = tuple["int | None", ...]
-_LIKE = ("zeros_like", "ones_like", "empty_like", "full_like", "copy", "asarray", "ascontiguousarray", "cumsum", "flip",
-         "roll", "clip", "sort", "astype", "conj", "round", "abs", "absolute", "nan_to_num", "square")
+_LIKE = ("zeros_like", "ones_like", "empty_like", "full_like", "copy", "array", "asarray", "ascontiguousarray",
+         "cumsum", "flip", "roll", "clip", "sort", "astype", "conj", "round", "abs", "absolute", "nan_to_num", "square")
 _REDUCTIONS = ("sum", "mean", "prod", "max", "min", "amax", "amin", "std", "var", "any", "all", "argmax", "argmin")
 _FILLED = ("zeros", "ones", "empty", "full")
 
@@ -62,7 +62,7 @@ def of_call(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> 
         return _reduced(shape(args[0]), args[1:], keywords)
     if name == "einsum" and args and isinstance(args[0], Data) and isinstance(args[0].known, str):
         return _contracted(args[0].known, args[1:])
-    if name in _LIKE and args and "axis" not in keywords and "shape" not in keywords:
+    if name in _LIKE and args and not keywords.keys() & {"axis", "shape", "ndmin"}:
         return shape(args[0])
     if name == "arange" and not keywords and all(isinstance(a, Data) and type(a.known) is int for a in args):
         return (len(range(*(a.known for a in args))),)  # pyright: ignore

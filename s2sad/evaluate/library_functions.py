@@ -1,0 +1,233 @@
+"""library_functions: what functions of NumPy's do that are given functions, or made of many of its others, as functions
+that the evaluator reads.
+
+    y = np.piecewise(x, [x < 0.0], [lambda v: v * v, 1.0])      ->      y = np.zeros_like(x)
+                                                                        y[x < 0.0] = x[x < 0.0] * x[x < 0.0]
+                                                                        y[~(x < 0.0)] = 1.0
+
+Parameters are called as NumPy calls them. `WRITTEN` has the functions by their paths, `WITH_OPTION` those that are read
+where an option is given that the function's own rule does not know.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+
+
+def piecewise(x, condlist, funclist):
+    whole = np.zeros_like(x)
+    one = isinstance(condlist, np.ndarray) and condlist.ndim == 1
+    conditions = [condlist] if one else list(condlist)
+    if len(funclist) == len(conditions) + 1:
+        taken = conditions[0]
+        for condition in conditions[1:]:
+            taken = taken | condition
+        conditions.append(~taken)
+    for condition, value in zip(conditions, funclist):
+        whole[condition] = value(x[condition]) if callable(value) else value
+    return whole
+
+
+def fromfunction(function, shape, dtype=float):
+    if len(shape) == 1:
+        return function(np.arange(shape[0], dtype=dtype))
+    return function(*np.meshgrid(*[np.arange(n, dtype=dtype) for n in shape], indexing="ij"))
+
+
+def apply_along_axis(func1d, axis, arr):
+    if arr.ndim == 1:
+        return func1d(arr)
+    if axis == 0 or axis == -2:
+        return np.array([func1d(column) for column in arr.T]).T
+    return np.array([func1d(row) for row in arr])
+
+
+def linspace(start, stop, num=50, endpoint=True):
+    first = np.asarray(start)
+    return first + np.multiply.outer(np.linspace(0.0, 1.0, num, endpoint=endpoint), np.asarray(stop) - first)
+
+
+def rollaxis(a, axis, start=0):
+    source = axis + a.ndim if axis < 0 else axis
+    place = start + a.ndim if start < 0 else start
+    return np.moveaxis(a, source, place - 1 if place > source else place)
+
+
+def expand_dims(a, axis):
+    rank = a.ndim + len(axis)
+    for k in sorted([place + rank if place < 0 else place for place in axis]):
+        a = np.expand_dims(a, k)
+    return a
+
+
+def broadcast_arrays(*args):
+    whole = np.zeros(np.shape(args[0]))
+    for a in args[1:]:
+        whole = whole + np.zeros(np.shape(a))
+    return [np.broadcast_to(a, whole.shape) for a in args]
+
+
+def sliding_window_view(x, window_shape):
+    width = window_shape[0] if isinstance(window_shape, tuple) else window_shape
+    return x[np.arange(len(x) - width + 1)[:, None] + np.arange(width)]
+
+
+def unravel_index(indices, shape):
+    rest, places = indices, []
+    for length in reversed(shape):
+        places.append(rest % length)
+        rest = rest // length
+    return tuple(reversed(places))
+
+
+def unwrap(p, discont=None, *, period=2.0 * np.pi):
+    jumps = np.diff(p)
+    turned = (jumps + 0.5 * period) % period - 0.5 * period
+    turned = np.where((turned == -0.5 * period) & (jumps > 0.0), 0.5 * period, turned)
+    least = 0.5 * period if discont is None else max(0.5 * period, discont)
+    added = np.where(np.abs(jumps) < least, 0.0, turned - jumps)
+    whole = p + 0.0
+    whole[..., 1:] += np.cumsum(added, axis=-1)
+    return whole
+
+
+def ediff1d(ary, to_end=None, to_begin=None):
+    first = np.zeros(0) if to_begin is None else np.ravel(np.asarray(to_begin) + np.zeros(1))
+    last = np.zeros(0) if to_end is None else np.ravel(np.asarray(to_end) + np.zeros(1))
+    return np.concatenate((first, np.diff(np.ravel(ary)), last))
+
+
+# -- reductions of what a mask picks, or that begin with a number ----------------------------------------------------
+def masked_max(a, axis=None, *, keepdims=False, initial, where=True):
+    first = np.full_like(a, initial)        # in the dtype of the array
+    picked = a if where is True else np.where(where, a, first)
+    return np.maximum(np.max(picked, axis=axis, keepdims=keepdims), np.max(first, axis=axis, keepdims=keepdims))
+
+
+def masked_min(a, axis=None, *, keepdims=False, initial, where=True):
+    first = np.full_like(a, initial)
+    picked = a if where is True else np.where(where, a, first)
+    return np.minimum(np.min(picked, axis=axis, keepdims=keepdims), np.min(first, axis=axis, keepdims=keepdims))
+
+
+def masked_mean(a, axis=None, *, keepdims=False, where=True):
+    counted = np.sum(np.where(where, np.ones_like(a), 0.0), axis=axis, keepdims=keepdims)
+    return np.sum(np.where(where, a, 0.0), axis=axis, keepdims=keepdims) / counted
+
+
+def masked_var(a, axis=None, *, ddof=0, keepdims=False, where=True):
+    counted = np.sum(np.where(where, np.ones_like(a), 0.0), axis=axis, keepdims=keepdims)
+    apart = a - masked_mean(a, axis=axis, keepdims=True, where=where)
+    return np.sum(np.where(where, apart * apart, 0.0), axis=axis, keepdims=keepdims) / (counted - ddof)
+
+
+def masked_std(a, axis=None, *, ddof=0, keepdims=False, where=True):
+    return np.sqrt(masked_var(a, axis=axis, ddof=ddof, keepdims=keepdims, where=where))
+
+
+# -- polynomials: sums of coefficients times functions of a recurrence, from the last on (Clenshaw) ------------------
+def clenshaw(x, c, factor, behind):
+    """The last two of b[k] = c[k] + factor(k, x) * b[k + 1] - behind(k) * b[k + 2] before c[0] is added."""
+    given = np.asarray(c)
+    ahead, second = 0.0 * x, 0.0 * x
+    for k in range(len(given) - 1, 0, -1):
+        ahead, second = given[k] + factor(k, x) * ahead - behind(k) * second, ahead
+    return given[0], ahead, second
+
+
+def chebval(x, c):
+    first, ahead, second = clenshaw(x, c, lambda k, v: 2.0 * v, lambda k: 1.0)
+    return first + x * ahead - second
+
+
+def legval(x, c):
+    first, ahead, second = clenshaw(x, c, lambda k, v: (2 * k + 1) / (k + 1) * v, lambda k: (k + 1) / (k + 2))
+    return first + x * ahead - 0.5 * second
+
+
+def hermval(x, c):
+    first, ahead, second = clenshaw(x, c, lambda k, v: 2.0 * v, lambda k: 2.0 * (k + 1))
+    return first + 2.0 * x * ahead - 2.0 * second
+
+
+def hermeval(x, c):
+    first, ahead, second = clenshaw(x, c, lambda k, v: v, lambda k: 1.0 * (k + 1))
+    return first + x * ahead - second
+
+
+def lagval(x, c):
+    first, ahead, second = clenshaw(x, c, lambda k, v: (2 * k + 1 - v) / (k + 1), lambda k: (k + 1) / (k + 2))
+    return first + (1.0 - x) * ahead - 0.5 * second
+
+
+def polyadd(a1, a2):
+    left, right = np.asarray(a1), np.asarray(a2)
+    n = max(len(left), len(right))
+    whole = np.zeros(n)
+    whole[n - len(left):] += left
+    whole[n - len(right):] += right
+    return whole
+
+
+def polysub(a1, a2):
+    return polyadd(a1, -np.asarray(a2))
+
+
+class poly1d:
+    """A polynomial by its coefficients, the highest power first."""
+
+    def __init__(self, c_or_r):
+        self._given = np.asarray(c_or_r)
+
+    def __call__(self, val):
+        return np.polyval(self._given, val)
+
+    def __add__(self, other):
+        return poly1d(polyadd(self._given, other._given))
+
+    def __sub__(self, other):
+        return poly1d(polysub(self._given, other._given))
+
+    def __mul__(self, other):
+        return poly1d(np.polymul(self._given, other._given) if isinstance(other, poly1d) else self._given * other)
+
+    def __rmul__(self, other):
+        return poly1d(self._given * other)
+
+    def deriv(self):
+        return poly1d(np.polyder(self._given))
+
+    def integ(self):
+        return poly1d(np.polyint(self._given))
+
+
+class Polynomial:
+    """A polynomial by its coefficients, the lowest power first."""
+
+    def __init__(self, coef):
+        self.coef = np.asarray(coef)
+
+    def __call__(self, arg):
+        return np.polynomial.polynomial.polyval(arg, self.coef)
+
+
+def _by_path(room: str, *found: Any) -> Iterable[tuple[str, Any]]:
+    return ((f"{room}.{f.__name__}", f) for f in found)
+
+
+WRITTEN: dict[str, Callable[..., Any]] = dict((
+    *_by_path("numpy", piecewise, fromfunction, apply_along_axis, rollaxis, broadcast_arrays, unwrap, polyadd, polysub,
+              poly1d),
+    *_by_path("numpy.lib.stride_tricks", sliding_window_view), *_by_path("numpy.polynomial", Polynomial),
+    *_by_path("numpy.polynomial.polynomial", Polynomial), *_by_path("numpy.polynomial.chebyshev", chebval),
+    *_by_path("numpy.polynomial.legendre", legval), *_by_path("numpy.polynomial.hermite", hermval),
+    *_by_path("numpy.polynomial.hermite_e", hermeval), *_by_path("numpy.polynomial.laguerre", lagval)))
+
+_MASKED = ("where", "initial")
+WITH_OPTION: dict[str, tuple[Callable[..., Any], tuple[str, ...]]] = {
+    "numpy.ediff1d": (ediff1d, ("to_begin", "to_end")),
+    **{f"numpy.{name}": (made, _MASKED) for name, made in (
+        ("max", masked_max), ("min", masked_min), ("amax", masked_max), ("amin", masked_min), ("mean", masked_mean),
+        ("var", masked_var), ("std", masked_std))}}

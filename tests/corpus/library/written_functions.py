@@ -1,0 +1,78 @@
+"""Functions of NumPy's that are read as Python: of functions, of polynomials, reductions of what a mask picks."""
+from __future__ import annotations
+
+import numpy as np
+
+from tests.corpus import Case
+
+X = np.array([0.7, 0.2, 1.4, 0.35, 0.9])
+A = np.array([[0.3, -0.9, 0.7], [0.5, 0.2, -0.6]])
+
+
+def pieces(x, a):
+    first = np.piecewise(x, [x < 0.5, x > 0.8], [lambda v: v ** 2, lambda v: 1.0 / v, 2.0])
+    return np.sum(first * x) + np.sum(np.piecewise(a, [a < 0.0], [np.sin, np.exp]) ** 2) + np.sum(
+        np.piecewise(x, x < 0.5, [0.0, lambda v: 1.0 / v]))
+
+
+def along_axes(x, a):
+    def unit(v):
+        return v / np.linalg.norm(v)
+    total = np.sum(np.apply_along_axis(lambda v: v @ v, 1, a) ** 2) + np.apply_along_axis(np.sum, 0, x)
+    return total + np.sum(np.apply_along_axis(unit, 0, a) ** 3)
+
+
+def grids(x, a):
+    field = np.fromfunction(lambda i, j: i + 2.0 * j, (2, 3)) * a
+    first, second = np.broadcast_arrays(a, a[0])
+    total = np.sum(field ** 2 * second) + np.sum(first * np.expand_dims(x, (0, 2))[0, 3:])
+    total += np.sum(np.append(a, field[:1], axis=0)[-1]) + np.sum(np.linspace(a[0], a[1], 4)[1] ** 2)
+    total += np.sum(np.rollaxis(np.stack([a, field]), 2)[0] ** 2)
+    return total * a[np.unravel_index(np.argmax(a), a.shape)]
+
+
+def series(x, a):
+    p = np.polynomial
+    total = p.chebyshev.chebval(0.3, x) + np.sum(p.legendre.legval(a, x[:3]) ** 2) + p.hermite.hermval(x[0], x)
+    total += p.hermite_e.hermeval(0.2, x) + p.laguerre.lagval(0.7, [1.0, x[0], x[1]]) + p.Polynomial(x)(x[1])
+    return total + np.sum(np.polyadd(x, x[:3]) * np.polysub(x[:2], x))
+
+
+def polynomial(x, a):
+    p = np.poly1d(x)
+    q = p.deriv() * p + 2.0 * np.poly1d([1.0, x[0]]) - p
+    return q(0.4) + p.integ()(x[1])
+
+
+def quadrature(x, a):
+    nodes, weights = np.polynomial.legendre.leggauss(3)
+    points = 0.5 * (x[1] - x[0]) * nodes + 0.5 * (x[0] + x[1])
+    total = 0.0
+    for w, p in zip(weights, points):
+        total += w * np.exp(-x[2] * p * p)
+    return total + np.sum(weights * points ** 2)
+
+
+def signals(x, a):
+    windows = np.lib.stride_tricks.sliding_window_view(x, 3)
+    total = np.sum(windows.mean(axis=1) ** 2) + np.sum(np.ediff1d(x, to_begin=0.5, to_end=a[0]) ** 2)
+    return total + np.sum(np.unwrap(9.0 * x) ** 2) + np.sum(np.unwrap(6.0 * a, period=3.0))
+
+
+def masked(x, a):
+    some = a > -0.7
+    total = np.mean(a, where=some) + np.std(a, axis=1, where=some).sum() + a.mean(axis=1, where=some)[0]
+    total += np.max(a, axis=1, keepdims=True, initial=0.6).sum() + x.min(initial=0.3)
+    total += a.max(where=a < 0.6, initial=0.0)
+    return total + np.var(a, where=some, ddof=1) * x[0]
+
+
+def several_points(x, a):
+    return np.sum(np.polynomial.legendre.leggauss(100)[0]) * x[0]
+
+
+def cases():
+    for kernel in (pieces, along_axes, grids, series, polynomial, quadrature, signals, masked):
+        yield Case(kernel, (X.copy(), A.copy()), ("x", "a"))
+    yield Case(several_points, (X.copy(), A.copy()), ("x",), refused=(
+        "S201 at `np.polynomial.legendre.leggauss(100)`: a quadrature of 100 points: take 64 at most"))
