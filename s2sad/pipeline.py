@@ -43,7 +43,8 @@ from s2sad.program import (
 from s2sad.run.user_functions_in_numba import compilable
 from s2sad.naming import Names
 from s2sad.passes import Watch, unwatched
-from s2sad.tree import FunctionDef, Name, walk
+from s2sad.simplify import Effects
+from s2sad.tree import FunctionDef, Name, user_call, walk
 from s2sad.units import Place, UnitDerivative, Unit, Units, check_outlined, loops_that_keep, user_names
 from s2sad.units.bounds import index_limits
 from s2sad.units.nested_derivatives import (
@@ -325,16 +326,23 @@ def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:
     return tuple(o for name in of for o in (results if name == "return" else (name,)))
 
 
+def _written(derived: UnitDerivative, effects: Effects) -> set[str]:
+    """The names of a derivative that it may write: of two sweeps, or where it calls what is not known, all."""
+    body = derived.function.body + (derived.forward.body if derived.forward is not None else [])
+    if derived.forward is None and all(effects.of(n) for n in walk(body) if user_call(n)):
+        return {p.id for p in derived.function.args.args} & effects.written(derived.function)
+    return {n.id for n in walk(body) if isinstance(n, Name)}
+
+
 def facts(derived: UnitDerivative, request: Request, units: Units) -> dict[str, Any]:
     """What wrappers and reports ask of a derivative: which of `wrt` no output depends on, all that was made, whether
     functions are arguments of functions, which Numba does not keep on disk, the folders of snapshots, and which
-    arguments it does not mention, so that it leaves them as they are."""
+    arguments it leaves as they are."""
     active = derived.activity.active
     moving = any(d.unit.kernel.residual and d.beside for d in units.derived.values())
     folders = dict.fromkeys(u.loop.snapshots.on_disk for u in units.titled.values() if u.loop is not None)
-    mentioned = {n.id for f in (derived.function, derived.forward) if f for n in walk(f.body) if isinstance(n, Name)}
-    unread = tuple(hidden_name(p, units.program) for p, role, _ in derived.made.parameters
-                   if role == "primal" and p not in mentioned)
+    unwritten = tuple(hidden_name(p, units.program) for p, role, _ in derived.made.parameters
+                      if role == "primal" and p not in _written(derived, units.effects))
     return {"independent": tuple(w for w in request.wrt if w not in active), "derived": derived, "units": units,
-            "unread": unread,
+            "unwritten": unwritten,
             "moving": moving, "folders": tuple(f for f in folders if f is not None)}

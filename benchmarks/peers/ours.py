@@ -14,7 +14,7 @@ from benchmarks.calls import adjoint_arguments, differentiated, fresh, plain_num
 from benchmarks.kernels.cases import ARRAYS, Case
 from benchmarks.peers.problems import Problem, Run
 from benchmarks.peers.tools import PRIMALS
-from s2sad.dispatch.tape_reuse import TapeReuse
+from s2sad.dispatch.memory_reuse import TapeReuse
 
 
 

@@ -12,7 +12,7 @@ from s2sad.dispatch.deferred import compiler
 from s2sad.dispatch.index_check import IndexCheck
 from s2sad.dispatch.limited_memory import LimitedMemory
 from s2sad.dispatch.memory_check import MemoryCheck
-from s2sad.dispatch.tape_reuse import TapeReuse
+from s2sad.dispatch.memory_reuse import TapeReuse
 from s2sad.infer.types import Type
 from s2sad.program import Generated, Parameter
 from s2sad.live_objects.registry import RegisteredRule

@@ -2,13 +2,14 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from s2sad.dispatch.arguments import misfit
+from s2sad.dispatch.cache import private_copy
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.infer.types import Type, misfit_of
 from s2sad.live_objects.unwrap import python_function
@@ -16,6 +17,7 @@ from s2sad.program import Recording
 
 RETURN = "return"
 Wrt = str | int | Iterable[str | int] | None
+Copied = Callable[[Any, np.ndarray], np.ndarray]      # of a place and the array that is copied for it
 
 
 class Selection(NamedTuple):
@@ -113,8 +115,8 @@ def result_seed(seed: Any, kind: Type) -> Any:
     return np.array(seed, order="C")
 
 
-def array_seed(name: str, seed: Any, like: np.ndarray) -> np.ndarray:
-    """A private copy of an array seed, which must have the dtype and shape of its output."""
+def array_seed(name: str, seed: Any, like: np.ndarray, copied: Copied | None = None) -> np.ndarray:
+    """A private copy of an array seed, which must have the dtype and shape of its output; `copied` makes it."""
     if not isinstance(seed, np.ndarray):
         raise misfit(f"the seed of '{name}' is of type {type(seed).__name__}, its output is an array",
                      f"give an array of {like.dtype} of shape {like.shape}")
@@ -123,7 +125,12 @@ def array_seed(name: str, seed: Any, like: np.ndarray) -> np.ndarray:
                      f"{like.dtype} of shape {like.shape}", f"give an array of {like.dtype} of shape {like.shape}")
     if (found := misfit_of(seed, "seed")) is not None:
         raise misfit(f"the seed of '{name}' {found[0]}", f"give an array of {like.dtype} of shape {like.shape}")
-    return np.array(seed, order="C")
+    return private_copy(seed) if copied is None else copied(("seed", name), seed)
+
+
+def uncopied(place: Any, array: np.ndarray) -> np.ndarray:
+    """An array as it is, or a copy that is in C order."""
+    return array if array.flags.carray else private_copy(array)
 
 
 def names_of(chosen: Wrt, f: Any, what: str = "wrt") -> tuple[str, ...] | None:

@@ -8,15 +8,15 @@ from typing import Any, NoReturn
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.dispatch.cache import derivatives_of
 from s2sad.dispatch.split_executable import SplitExecutable, arrays_in
-from s2sad.dispatch.tape_reuse import clear_kept
+from s2sad.dispatch.memory_reuse import clear_kept
 from s2sad.interface.pickling import Decorated
 from s2sad.run.tracebacks import public
 
 
 @public
 def clear(f: Any = None) -> int:
-    """Frees the tapes that compiled adjoints keep from one call for the next, those of f or of all functions, in all
-    threads; the bytes that they took.
+    """Frees the tapes of compiled adjoints, and the copies of arguments and seeds, that calls keep for the next, those
+    of f or of all functions, in all threads; the bytes that they took.
 
     Args: f, a function, a differentiated one, or what `gradient` and `value_and_gradient` return. Tapes of running
     calls stay, and are kept when these end. What is kept takes at most $S2SAD_TAPE_SIZE (default 1G).

@@ -13,13 +13,14 @@ import numpy as np
 from s2sad.dispatch.arguments import kernel_value, bind, coercion, misfit
 from s2sad.diagnostics import Diagnostic, S2sadError, warn
 from s2sad.dispatch.executable import Executable
+from s2sad.dispatch.memory_reuse import CallCopies, InThreads
 from s2sad.infer.types import NONE, TEXT
 from s2sad.program import Recording, Request
 from s2sad.run.compiled import chosen
 from s2sad.run.memory import Memory
 from s2sad.interface.selection import (
-    RETURN, ReturnedValues, Selection, array_seed, number_seed, places, result_seed, selected_of, selected_wrt,
-    seeds_by_position,
+    RETURN, Copied, ReturnedValues, Selection, array_seed, number_seed, places, result_seed, selected_of, selected_wrt,
+    seeds_by_position, uncopied,
 )
 from s2sad.dispatch.cache import ProgramVersion, check_contiguous, private_copy
 
@@ -55,6 +56,7 @@ class PreparedCall:
         if self._apart is not None:
             self._apart(values)
         self._ready: set[int] = set()
+        self._kept = InThreads(state.function)
         self._many: dict[int, Executable | None] = {}
 
     def values_of(self, args: Sequence[Any]) -> list[Any]:
@@ -63,20 +65,21 @@ class PreparedCall:
             values[k] = how(values[k])
         return values
 
-    def private_copies(self, args: Sequence[Any], whole: bool = False) -> list[Any]:
-        """The values, with copies of what the function may write; of all of that for another derivative (`whole`)."""
+    def private_copies(self, args: Sequence[Any], whole: bool = False, copied: Copied | None = None) -> list[Any]:
+        """The values, with copies of what the function may write, `copied` so; of all of that for another derivative
+        (`whole`)."""
         values = self.values_of(args)
         if self._apart is not None:
             self._apart(values)
         if self.summary.contiguous:
             check_contiguous(self.summary, dict(zip(self.names, values)))
         for k in self._changed if whole else self.written:
-            values[k] = private_copy(values[k])
+            values[k] = private_copy(values[k]) if copied is None else copied(("value", k), values[k])
         return values
 
     def leave_uncopied(self, variant: Executable) -> None:
-        """Does not copy what the function writes and its derivative does not mention."""
-        self.written = [k for k in self.written if self.names[k] not in variant.generated.facts.get("unread", ())]
+        """Does not copy what the function writes and its derivative does not."""
+        self.written = [k for k in self.written if self.names[k] not in variant.generated.facts.get("unwritten", ())]
 
     def call(self, variant: Executable, values: Mapping[str, Any], shadows: Mapping[str, Any],
                seeds: Sequence[Any] = ()) -> tuple[Any, ...]:
@@ -153,19 +156,23 @@ class ReverseCall(PreparedCall):
                 warn(f"no output asked for of '{self.state.kernel.name}' depends on '{name}': its gradient is zero")
 
     def run(self, args: Sequence[Any], seeds: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[Any, ...]]:
-        values, shadows, result_seeds = self.bind_values(args, seeds)
-        return shadows, self.call(self.rv, values, shadows, result_seeds)
+        copies = CallCopies(self._kept)
+        values, shadows, result_seeds = self.bind_values(args, seeds, copies.of)
+        returned = self.call(self.rv, values, shadows, result_seeds)
+        copies.end()
+        return shadows, returned
 
-    def bind_values(self, args: Sequence[Any], seeds: Mapping[str, Any]
-                 ) -> tuple[dict[str, Any], dict[str, Any], list[Any]]:
-        """The values and the shadows by name, and the seeds of results."""
-        values = dict(zip(self.names, self.private_copies(args)))
+    def bind_values(self, args: Sequence[Any], seeds: Mapping[str, Any], copied: Copied | None = None
+                    ) -> tuple[dict[str, Any], dict[str, Any], list[Any]]:
+        """The values and the shadows by name, and the seeds of results; `copied` has the copies of what the caller does
+        not see."""
+        values = dict(zip(self.names, self.private_copies(args, copied=copied)))
         by_place = self._result_seeds(seeds.get(RETURN)) if RETURN in seeds else {}
         shadows = {}
         for name in self.rv.shadows:
             seed = None if name not in self.of else seeds.get(name)
             shadows[name] = (np.zeros(values[name].shape, values[name].dtype) if seed is None
-                             else array_seed(name, seed, values[name]))
+                             else array_seed(name, seed, values[name], None if name in self.wrt else copied))
         for place, name in self.results.aliases.items():
             if place in by_place:
                 shadows[name] += array_seed(RETURN, by_place.pop(place), values[name])
@@ -218,23 +225,35 @@ class ForwardCall(PreparedCall):
         self.requested = of if of is not None else (*(n for n in self.of if n != RETURN),
                                                 *((RETURN,) if self.results.floats else ()))
         self.fv = self.variant("tangent", self.wrt, self.of)
+        self._given = {*self.requested, *self.results.aliases.values()}
+        self._keeps = not any(t.is_array for t in self.results.types)   # else a result may be a part of a tangent
 
-    def bind_values(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """The values and the tangents by name."""
-        values = dict(zip(self.names, self.private_copies(args)))
+    def bind_values(self, args: Sequence[Any], tangents: Mapping[str, Any], copied: Copied | None = None
+                    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The values and the tangents by name; `copied` has the copies of what the caller does not see."""
+        values = dict(zip(self.names, self.private_copies(args, copied=copied)))
         shadows = {}
         for name in self.fv.shadows:
             value, tangent = values[name], tangents.get(name)
             if isinstance(value, np.ndarray):
                 shadows[name] = (np.zeros(value.shape, value.dtype) if tangent is None
-                                 else array_seed(name, tangent, value))
+                                 else array_seed(name, tangent, value, self._copied_tangent(name, copied)))
             else:
                 shadows[name] = number_seed(tangent, name, isinstance(value, complex))
         return values, shadows
 
+    def _copied_tangent(self, name: str, copied: Copied | None) -> Copied | None:
+        """How the tangent of an argument is copied: not at all where neither it nor its argument is written."""
+        if copied is not None and name not in self.summary.written:
+            return uncopied
+        return None if name in self._given else copied
+
     def jvp(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> dict[str, Any]:
-        values, shadows = self.bind_values(args, tangents)
-        return self.outputs(shadows, self.call(self.fv, values, shadows))
+        copies = CallCopies(self._kept)
+        values, shadows = self.bind_values(args, tangents, copies.of if self._keeps else None)
+        returned = self.call(self.fv, values, shadows)
+        copies.end()
+        return self.outputs(shadows, returned)
 
     def outputs(self, shadows: Mapping[str, Any], returned: Sequence[Any], names: Sequence[str] | None = None
                 ) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from s2sad.dispatch.arguments import misfit
 from s2sad.dispatch.cache import ProgramVersion, derivatives_of
 from s2sad.dispatch.deferred import compiler
 from s2sad.interface.pytrees import Carrier
-from s2sad.interface.selection import RETURN, Wrt, names_of, selected_wrt
+from s2sad.interface.selection import RETURN, Wrt, names_of, selected_wrt, uncopied
 from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
 from s2sad.jacobians.matrix_drivers import MatrixDriver, only_one, real, version_and_values
 from s2sad.program import Request
@@ -81,7 +81,7 @@ class _SecondOrderCall:
         self._call = ReverseCall(self._state, carrier, given, (RETURN,), wrt)
 
     def _arguments(self, values: Sequence[Any], directions: Mapping[str, Any]) -> tuple[Any, ...]:
-        by_name, shadows = self.first.bind_values(values, directions)
+        by_name, shadows = self.first.bind_values(values, directions, uncopied)     # its adjoint copies what it writes
         hidden = self.first.state.private_outside_arrays(self.first.types)
         return tuple([shadows[p.primal] if p.role == "shadow" else hidden.get(p.name, by_name.get(p.name))
                       for p in self._parameters])

@@ -51,21 +51,25 @@ class Effects:
         effect = self.of(called)
         return (call_name(called) or "") != "builtins.print" and (effect is None or effect.pure)
 
+    def written(self, function: FunctionDef) -> set[str]:
+        """The names of arrays that a function stores into, itself or by what it calls."""
+        written: set[str] = set()
+        for node in walk(function.body):
+            if isinstance(node, (Assign, AugAssign)):
+                written |= {base_name(t) for t in targets(node) if isinstance(t, Subscript)}
+                written |= {base_name(node.target)} if isinstance(node, AugAssign) else set()
+            elif isinstance(node, Call):
+                written |= set(self.writes(node))
+        return written
+
     def add(self, function: FunctionDef, typing: Typing) -> None:
         """Registers a finished function."""
         parameters = [p.id for p in function.args.args]
         live = Liveness(function, set(), Accesses(unread=self.unread), strong=False)
         reads = {k for k, p in enumerate(parameters) if p in live.start}
-        written: set[str] = set()
-        pure = True
-        for node in walk(function.body):
-            if isinstance(node, (Assign, AugAssign)):
-                written |= {base_name(t) for t in targets(node) if isinstance(t, Subscript)}
-                written |= {base_name(node.target)} if isinstance(node, AugAssign) else set()
-            if isinstance(node, Call):
-                written |= set(self.writes(node))
-                pure = pure and self.pure(node)
-            pure = pure and not isinstance(node, (Assert, Raise))
+        written = self.written(function)
+        pure = all(self.pure(n) if isinstance(n, Call) else not isinstance(n, (Assert, Raise))
+                   for n in walk(function.body))
         arrays = frozenset(k for k, p in enumerate(parameters) if typing.table[p].is_array)
         self.table[function.name] = Effect(
             frozenset(reads), frozenset(k for k in arrays if parameters[k] in written), pure, arrays)

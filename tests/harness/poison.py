@@ -21,7 +21,7 @@ import numpy as np
 
 import s2sad.runtime
 from s2sad.dispatch import executable
-from s2sad.dispatch.tape_reuse import TapeReuse
+from s2sad.dispatch.memory_reuse import TapeReuse
 from s2sad.run import compiled, module_loader
 
 HUGE = {8: 100, 16: 30_000, 32: 2_000_000_000, 64: 4_000_000_000_000_000_000}   # by bits: far behind every array's end
@@ -77,7 +77,7 @@ class _Keeping(TapeReuse):
     """Stacks hold nothing of the call before."""
 
     def __call__(self, *arguments: Any) -> tuple[Any, ...]:
-        for stack in self.kept().stacks or ():
+        for stack in (self.kept().arrays or {}).values():
             filled(stack)
         return super().__call__(*arguments)
 

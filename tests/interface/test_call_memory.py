@@ -43,13 +43,14 @@ def name_of(value):
 
 
 def traced(call, *args):
-    """The most that a call holds beside what is there, behind a first one: the least of three, since what other threads
-    of the test's process take meanwhile is counted, too."""
+    """The most that a call holds beside what is there, behind a first one, of which nothing is kept: the least of
+    three, since what other threads of the test's process take meanwhile is counted, too."""
     call(*args)
     return min(_peak(call, *args) for _ in range(3))
 
 
 def _peak(call, *args):
+    s2sad.clear()
     tracemalloc.start()
     try:
         before = tracemalloc.get_traced_memory()[0]

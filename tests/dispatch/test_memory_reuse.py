@@ -1,4 +1,4 @@
-"""What compiled adjoints keep between calls: never shared by two that run, bounded, and freed when asked."""
+"""What calls of derivatives keep for the next: never shared by two that run, bounded, and freed when asked."""
 from __future__ import annotations
 
 import gc
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from s2sad.dispatch.tape_reuse import TapeReuse, clear_kept
+from s2sad.dispatch.memory_reuse import CallCopies, InThreads, TapeReuse, clear_kept
 
 FIRST = (np.empty(0),)
 
@@ -168,3 +168,81 @@ def test_a_derivative_that_a_callback_calls_again():
     assert len(INSIDE) == 2
     np.testing.assert_array_equal(found, expected)
     np.testing.assert_array_equal(INSIDE[1], inner)
+
+
+# -- copies of arguments and seeds ----------------------------------------------------------------------------------
+
+def stepped(v, u, c):
+    v[:] = c * u
+    u[:] = u * v
+
+
+def part_of_itself(u, c):
+    u[0] = c * u[1]
+    return u[1:]
+
+
+LARGE = np.linspace(0.1, 2.0, 1 << 14)
+
+
+def test_copies_take_the_memory_of_those_of_the_last_call():
+    threads = InThreads()
+    first, second, third = (CallCopies(threads) for _ in range(3))
+    kept, small = first.of("u", LARGE), first.of("v", LARGE[:4])
+    first.end()
+    again = second.of("u", 2.0 * LARGE[::-1])
+    assert again is kept and np.array_equal(kept, 2.0 * LARGE[::-1]) and second.of("v", LARGE[:4]) is not small
+    assert third.of("u", LARGE) is not kept             # it began before the second one has ended
+    second.end()
+    assert CallCopies(threads).of("u", LARGE.astype(np.float32)).dtype == np.float32
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_results_have_memory_of_their_own(engine):
+    f, c = s2sad.differentiate(stepped, engine=engine), 1.5
+    given, seeds = (np.zeros_like(LARGE), LARGE.copy(), c), {"v": np.ones_like(LARGE), "u": np.ones_like(LARGE)}
+    found = [s2sad.vjp(f, given, seeds, wrt=wrt) for wrt in (("u", "c"), ("u", "c"), ("v", "u"), ("c",))]
+    expected = c + 2.0 * c * LARGE
+    for one in found[:3]:
+        np.testing.assert_allclose(one["u"], expected, rtol=1e-14)
+    assert not any(np.shares_memory(a["u"], b["u"]) for a in found[:3] for b in found[:3] if a is not b)
+    assert np.array_equal(given[1], LARGE) and not given[0].any() and (seeds["v"] == 1.0).all()
+    tangents = [s2sad.jvp(f, given, {"u": direction}) for direction in (seeds["u"], 2.0 * seeds["u"])]
+    np.testing.assert_allclose(tangents[0]["u"], 2.0 * c * LARGE, rtol=1e-14)
+    np.testing.assert_allclose(tangents[1]["u"], 4.0 * c * LARGE, rtol=1e-14)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_a_result_that_is_a_part_of_a_tangent_stays(engine):
+    f = s2sad.differentiate(part_of_itself, engine=engine)
+    first = s2sad.jvp(f, (LARGE, 2.0), {"u": np.ones_like(LARGE)}, of="return")["return"]
+    held = first.copy()
+    s2sad.jvp(f, (LARGE, 2.0), {"u": np.zeros_like(LARGE)}, of="return")
+    assert np.array_equal(first, held) and held.all()
+
+
+def test_what_copies_take_is_freed_with_the_tapes_of_a_function():
+    f = s2sad.differentiate(stepped, engine="numpy")
+    s2sad.vjp(f, (np.zeros_like(LARGE), LARGE, 1.5), {"v": np.ones_like(LARGE)}, wrt="c")
+    assert s2sad.clear(f) == LARGE.nbytes and s2sad.clear(f) == 0       # the seed: no argument is written
+
+
+def squared_twice(u, c):
+    for _ in range(2):
+        for i in range(u.size):
+            u[i] = c * u[i] * u[i]
+
+
+def squared_by_a_helper(u, c):
+    squared_twice(u[1:], c)
+    squared_twice(u, c)
+
+
+@pytest.mark.parametrize("kernel", [squared_twice, squared_by_a_helper])
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_what_a_derivative_writes_is_copied(engine, kernel):
+    f, given, seed = s2sad.differentiate(kernel, engine=engine), LARGE.copy(), {"u": np.ones_like(LARGE)}
+    first, second = (s2sad.vjp(f, (given, 0.9), seed) for _ in range(2))
+    assert np.array_equal(given, LARGE) and np.array_equal(first["u"], second["u"]) and first["c"] == second["c"]
+    s2sad.jvp(f, (given, 0.9), seed)
+    assert np.array_equal(given, LARGE) and (seed["u"] == 1.0).all()

@@ -1,0 +1,142 @@
+"""The stacks of compiled adjoints, and the copies that calls make, kept between calls: fresh memory costs as much as
+the arithmetic.
+
+Each thread has its own, and a call takes them for as long as it runs: one that begins inside of another, from a
+function of the user's that compiled code calls back, gets fresh ones. What is kept of all derivatives and threads takes
+at most $S2SAD_TAPE_SIZE ("500M", "2G"; default 1G): what was not used for the longest time goes, and a tape that is
+larger by itself is not kept at all.
+"""
+from __future__ import annotations
+
+import itertools
+import threading
+import weakref
+from collections.abc import Callable
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+
+from s2sad.run.eviction import byte_limit
+
+_SIZE = 1 << 30
+_LARGE = 1 << 16     # bytes; less is had at once
+_CLOCK = itertools.count()
+_LOCK = threading.Lock()
+
+
+class KeptArrays:
+    """What one derivative keeps in one thread, by the places where it is used, None while a call runs; `used` orders by
+    the last call."""
+
+    def __init__(self, owner: weakref.ref[FunctionType] | None):
+        self.owner, self.used, self.size = owner, 0, 0
+        self.arrays: dict[Any, np.ndarray] | None = None
+        with _LOCK:
+            _KEPT.add(self)
+
+    def take(self) -> dict[Any, np.ndarray]:
+        """What a call takes for as long as it runs."""
+        taken, self.arrays = self.arrays, None
+        return {} if taken is None else taken
+
+    def put(self, arrays: dict[Any, np.ndarray]) -> None:
+        """Keeps these; if they have become larger, what is too much goes."""
+        size, before = sum([a.nbytes for a in arrays.values()]), self.size
+        self.arrays, self.size, self.used = arrays, size, next(_CLOCK)
+        if size > before:
+            _evict()
+
+    def drop(self) -> None:
+        """Keeps nothing any more."""
+        self.arrays, self.size = None, 0
+
+
+class InThreads:
+    """What one derivative keeps in each thread."""
+
+    def __init__(self, owner: FunctionType | None = None):
+        self._owner = None if owner is None else weakref.ref(owner)
+        self._threads = threading.local()
+
+    def kept(self) -> KeptArrays:
+        """What this thread keeps."""
+        found = getattr(self._threads, "kept", None)
+        if found is None:
+            found = self._threads.kept = KeptArrays(self._owner)
+        return found
+
+
+_KEPT: weakref.WeakSet[KeptArrays] = weakref.WeakSet()
+
+
+def _evict() -> None:
+    """Drops what was not used for the longest time until the rest is small enough."""
+    limit = byte_limit("S2SAD_TAPE_SIZE", _SIZE)
+    with _LOCK:
+        left = sum(kept.size for kept in _KEPT)
+        for kept in sorted(_KEPT, key=lambda k: k.used):
+            if left <= limit:
+                return
+            left -= kept.size
+            kept.drop()
+
+
+def clear_kept(owner: FunctionType | None = None) -> int:
+    """Drops what the derivatives of a function keep, or of all, in all threads; the bytes that it took."""
+    with _LOCK:
+        found = [k for k in _KEPT if owner is None or (k.owner is not None and k.owner() is owner)]
+        size = sum(k.size for k in found)
+        for kept in found:
+            kept.drop()
+        return size
+
+
+class TapeReuse(InThreads):
+    """A compiled adjoint with the stacks that it left behind at the last call of each thread, used again."""
+
+    def __init__(self, function: Callable[..., Any], first: tuple[np.ndarray, ...], owner: FunctionType | None = None):
+        super().__init__(owner)
+        self.function, self.first, self.count = function, first, len(first)
+
+    def __call__(self, *arguments: Any) -> tuple[Any, ...]:
+        kept = self.kept()
+        stacks = kept.take()
+        try:
+            returned = self.function(*arguments, *(stacks.values() or self.first))
+        except BaseException:
+            kept.drop()
+            raise
+        kept.put(dict(enumerate(returned[-self.count:])))
+        return returned[:-self.count]
+
+    @property
+    def stack_bytes(self) -> int:
+        """The bytes of the stacks that the last call of this thread left behind."""
+        return self.kept().size
+
+
+class CallCopies:
+    """The copies that one call makes of arguments and seeds, in the memory of those of the last call of its thread."""
+
+    def __init__(self, threads: InThreads):
+        self._threads = threads
+        self._arrays: dict[Any, np.ndarray] | None = None
+
+    def of(self, place: Any, array: np.ndarray) -> np.ndarray:
+        """A copy that nobody has when the call has ended, in C order."""
+        if array.nbytes < _LARGE:
+            return np.array(array, order="C")
+        if self._arrays is None:
+            self._arrays = self._threads.kept().take()
+        found = self._arrays.get(place)
+        if found is None or found.shape != array.shape or found.dtype != array.dtype:
+            found = self._arrays[place] = np.array(array, order="C")
+        else:
+            found[...] = array
+        return found
+
+    def end(self) -> None:
+        """Keeps their memory for the next call."""
+        if self._arrays is not None:
+            self._threads.kept().put(self._arrays)
