@@ -33,7 +33,7 @@ def snapshot_arrays(loop: For, problem: RecordingProblem) -> list[str] | None:
     own = {p.statement.targets[0].id for p in inner if is_allocation(p.statement)}
     if any(outlives_loop(structure, array) or is_carried(structure, array, loop) for array in own):
         return None                                     # the last array's shadow is in use before the loop is reversed
-    written = {base_name(t) for p in inner for t in problem.writes(p.statement)} - own
+    written = {base_name(t) for p in inner for t in problem.stores(p.statement)} - own
     flowing = [array for array in sorted(written) if not _private(array, loop, inner, problem)]
     around = (*structure.place(loop).loops, loop)
     if flowing and (any(allocation_loops(structure, array) for array in flowing)
@@ -69,7 +69,7 @@ def _private(array: str, loop: For, inner: list[StatementPlace], problem: Record
         return True
     parts: list[tuple[int | None, ...]] = []
     for place in inner:
-        for target in problem.writes(place.statement):
+        for target in problem.stores(place.statement):
             if base_name(target) != array or not isinstance(place.statement, Assign) or user_call(
                     place.statement.value):
                 continue

@@ -56,7 +56,8 @@ class RecordingPlan:
     """The table. Keys are ids of statements and blocks of the function that was analysed: `reversed` are the compound
     statements with something to reverse, `reallocated` the allocations in loops whose arrays the reverse sweep binds
     again, `after` the statements whose adjoints run in the state that they leave, `halves` the calls whose adjoints are
-    the sweeps of a function, of which the tapes are kept (`tapes` is their weight). `dtypes` are those of entries that
+    the sweeps of a function, of which the tapes are kept (`tapes` is their weight), `unread` those that the forward
+    sweep leaves out. `dtypes` are those of entries that
     take less than what is recorded, by its key, `exact` has the statements for whose sake floats are not rounded."""
     rerun: frozenset[int] = frozenset()
     snapshots: tuple[Snapshot, ...] = ()
@@ -75,6 +76,7 @@ class RecordingPlan:
     dtypes: dict[str, str] = field(default_factory=dict)
     exact: dict[str, AST] = field(default_factory=dict)
     halves: frozenset[int] = frozenset()
+    unread: frozenset[int] = frozenset()
     tapes: int = 0
     readers: dict[str, list[AST]] = field(default_factory=dict)
 
@@ -82,7 +84,8 @@ class RecordingPlan:
 @dataclass
 class RecordingProblem:
     """The tables, what the adjoint of each statement reads, what each statement stores, whether its adjoint runs in the
-    state that it leaves, and whether a call fills an array, each time the same elements, before it reads it."""
+    state that it leaves, and whether a call fills an array, each time the same elements, before it reads it; the
+    statements whose stores nothing reads (`unread`) do not run."""
     structure: ProgramStructure
     dependence: Dependence
     active: Callable[[AST], bool]
@@ -90,6 +93,11 @@ class RecordingProblem:
     writes: Callable[[AST], list[AST]]
     after: Callable[[AST], bool] = reads_own_result
     refills: Callable[[AST, str], bool] = lambda statement, array: False
+    unread: frozenset[int] = frozenset()
+
+    def stores(self, statement: AST) -> list[AST]:
+        """What the forward sweep stores at a statement."""
+        return [] if id(statement) in self.unread else self.writes(statement)
 
     @cached_property
     def loads(self) -> dict[str, list[tuple[StatementPlace, AST]]]:

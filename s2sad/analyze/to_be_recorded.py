@@ -6,6 +6,7 @@ and that later iterations overwrite is
   that the block leaves) or of its own segment ("late": in the state in which the segment begins),
 - read back from the element where it was stored ("reloaded"),
 - or recorded. An element that is overwritten while a recomputation still reads it is recorded and restored.
+What nothing of this reads is not stored, and so overwrites nothing (`adjoint_liveness`).
 What to record is a minimum cut between lost values and values that are read. (To be recorded: Hascoet, Naumann,
 Pascual, FGCS 21, 2005; the cut: Moses et al., SC 2021.) A loop can be run forward and back per iteration: its tape is
 then that of one iteration (Hascoet, Pascual, TOMS 39, 2013, II-LOOP), and snapshots of what flows from iteration to
@@ -14,9 +15,11 @@ iteration.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from math import inf
 
+from s2sad.analyze.recording.adjoint_liveness import unread_stores
 from s2sad.analyze.callee_derivatives import CalleeDerivative, call_adjoint, call_uses, is_kernel_call
 from s2sad.analyze.context import AnalysisContext
 from s2sad.analyze.dependence import Dependence
@@ -24,7 +27,7 @@ from s2sad.analyze.independent_iterations import carries, is_expensive, snapshot
 from s2sad.analyze.kept_tapes import taped_calls, with_kept_tapes
 from s2sad.analyze.reallocated_arrays import is_reallocation
 from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem, Snapshot
-from s2sad.analyze.recording_planner import plan_for, weight_of
+from s2sad.analyze.recording.recording_planner import plan_for, weight_of
 from s2sad.analyze.shift import shift_of
 from s2sad.analyze.uses import OperandUses, uses
 from s2sad.analyze.work_arrays import refilled_in_loops
@@ -80,8 +83,17 @@ def _problem(context: AnalysisContext, halves: frozenset[int]) -> RecordingProbl
     def after(statement: AST) -> bool:
         return id(statement) in halves or calls.adjoint_after(statement)
 
-    return RecordingProblem(structure, Dependence(structure), lambda s: has_adjoint(s, typing, active), reads_of,
-                            writes, after, refills)
+    def runs(statement: AST) -> bool:
+        called = statement.value if is_kernel_call(statement) else None
+        callee = _adjoint_of(statement, context, id(statement) in halves)
+        return called is not None and not calls.is_pure(called) or callee is not None and bool(
+            callee.forward) or is_reallocation(structure, statement)
+
+    problem = RecordingProblem(structure, Dependence(structure), lambda s: has_adjoint(s, typing, active), reads_of,
+                               writes, after, refills)
+    if context.request.split or context.request.halves:     # the forward sweep is the primal
+        return problem
+    return replace(problem, unread=unread_stores(problem, runs, context.request.with_primal))
 
 
 def has_adjoint(statement: AST, typing: Typing, active: frozenset[str]) -> bool:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from s2sad import rules
 from s2sad.liveness import base_name, targets
 from s2sad.infer.inference import Typing
+from s2sad.infer.shapes import ALLOCATIONS
 from s2sad.rules.operation import operation
 from s2sad.rules.rule import RESULT, Rule
 from s2sad.tree import (
@@ -81,7 +82,8 @@ def sources(node: AST, typing: Typing) -> Iterator[str]:
     elif isinstance(node, (IfExp, BoolOp)):
         for side in node.values if isinstance(node, BoolOp) else (node.body, node.orelse):
             yield from sources(side, typing)
-    elif isinstance(node, Call) and rules.constant_result(call_name(node) or "") is None:
+    elif isinstance(node, Call) and rules.constant_result(call_name(node) or "") is None and call_name(
+            node) not in ALLOCATIONS:
         for argument in node.args:
             yield from sources(argument, typing)
 

@@ -137,11 +137,27 @@ class _Refill:
             if position in storing:
                 if not self.statement(statement, varying, last and position == storing[-1]):
                     return False
-                filled |= {dump(t) for t in targets(statement)} if isinstance(statement, Assign) else set()
+                filled |= self.places([statement]) or set()
             elif self.reads(statement) and not (last and all_of_it and position > storing[-1]) and not (
                     self.reads_only(statement, filled)):
                 return False
         return True
+
+    def places(self, block: list[AST]) -> set[str] | None:
+        """The places of the array that a block without loops stores into, the same on each way through it; None if they
+        are others."""
+        found: set[str] = set()
+        for statement in block:
+            if isinstance(statement, If):
+                ways = self.places(statement.body), self.places(statement.orelse)
+                if ways[0] is None or ways[0] != ways[1]:
+                    return None
+                found |= ways[0]
+            elif isinstance(statement, Assign):
+                found |= {dump(t) for t in targets(statement) if base_name(t) == self.array}
+            elif self.stores(statement):
+                return None
+        return found
 
     def reads_only(self, statement: AST, filled: set[str]) -> bool:
         """Whether a statement reads elements of the array that have just been stored, and no others."""
@@ -159,7 +175,10 @@ class _Refill:
                 return False
             inner = {*varying, statement.target.id, *stored_names(statement.body)}
             return is_known(statement.iter, self.known) and self.block(statement.body, inner, last)
-        if isinstance(statement, (If, While)):
+        if isinstance(statement, If):
+            return not self.reads(statement.test) and bool(self.places([statement])) and all(
+                self.block(way, varying, False) for way in (statement.body, statement.orelse))
+        if isinstance(statement, While):
             return False
         if isinstance(statement, (Assign, Expr)) and user_call(statement.value):
             last = last and not read_names(statement.value) & self.known & varying

@@ -1,11 +1,11 @@
 """adjoint: a function in normal form becomes its adjoint, statement by statement.
 
 Requires the plan of what is recorded; establishes the grammar "derivative" of `form` and the signature
-(`context.derivative`). The forward sweep is whole: `simplify.dead_code` prunes it to what the reverse sweep reads.
+(`context.derivative`). The forward sweep has all but the stores that nothing reads: `simplify.dead_code` prunes it to
+what the reverse sweep reads.
 
     def f(y, x, a):         def f_adjoint(y, y_bar, x, x_bar, a):
         y[0] = a * x[0]         # forward sweep
-                                y[0] = a * x[0]
                                 # reverse sweep
                                 a_bar = 0.0
                                 seed = y_bar[0]

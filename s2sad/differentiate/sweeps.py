@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from s2sad.blocks import with_blocks
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.recording_plan import RecordingPlan
 from s2sad.analyze.program_structure import ProgramStructure, is_simple
@@ -21,7 +22,7 @@ from s2sad.infer.types import INT
 from s2sad.naming import Names
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, Expr, For, Gt, If, Name, Return, Subscript, While, assign, at, augment, call,
-    call_name, compare, const, copy, counted_for, forget, index, indices, name, sub, user_call, walk, walk_statements,
+    call_name, compare, const, copy, counted_for, forget, index, indices, name, sub, user_call, walk_statements,
 )
 
 Adjoint = Callable[[AST], list[AST]]
@@ -53,8 +54,7 @@ class Sweeps(Recording):
         return made
 
     def forward_statement(self, statement: AST) -> list[AST]:
-        if isinstance(statement, Return) or not self.prints and isinstance(statement, Expr) and call_name(
-                statement.value) == "builtins.print":
+        if isinstance(statement, Return) or self.is_left_out(statement):
             return []
         if isinstance(statement, (For, While)):
             return self.forward_loop(statement) + self.records(statement)
@@ -67,13 +67,22 @@ class Sweeps(Recording):
             before += push_sizes(statement, self.tape)
         return [*before, *(self.called(statement) or [copy(statement)]), *self.records(statement)]
 
+    def is_left_out(self, statement: AST) -> bool:
+        """Whether the forward sweep does without a statement: a print, or a store that nothing reads."""
+        return id(statement) in self.plan.unread or not self.prints and isinstance(statement, Expr) and call_name(
+            statement.value) == "builtins.print"
+
+    def run(self, block: list[AST]) -> list[AST]:
+        """The statements of a block that the forward sweep runs."""
+        return [with_blocks(s, self.run) for s in block if not self.is_left_out(s)]
+
     def forward_loop(self, loop: AST) -> list[AST]:
         carried = [s for key, value in self.plan.recorded.items() if value.kind == "carried" and value.home is loop
                    for s in self.tape.push(self.value_stack(key, value), name(value.name))]
         carried += [s for snapshot in self.snapshots_of(loop)
                     for s in self.tape.push(self.snapshot_stack(snapshot), name(snapshot.array))]
         if id(loop) in self.plan.rerun:
-            made = copy(loop) if self.prints else _without_prints(loop)
+            made = copy(with_blocks(loop, self.run))
             made.body = [*carried, *made.body]
             return [*self.tape.allocations.pop(id(loop), []), made]
         body = self.forward(loop.body)
@@ -199,8 +208,7 @@ class Sweeps(Recording):
     def stored_arrays(self, loop: AST) -> list[str]:
         """The arrays that a loop stores to."""
         return sorted({base_name(t) for s in walk_statements(loop.body) if isinstance(s, (Assign, AugAssign))
-                       for t in targets(s)
-                       if isinstance(t, Subscript)})
+                       and not self.is_left_out(s) for t in targets(s) if isinstance(t, Subscript)})
 
     def reverse_loop(self, loop: AST) -> list[AST]:
         before: list[AST] = []
@@ -242,13 +250,3 @@ class Sweeps(Recording):
         unread = self.typing.declare(self.free.fresh("trip"), INT)
         return counted_for(unread, [trips], body)
 
-
-def _without_prints(statement: AST) -> AST:
-    new = copy(statement)
-    for part in walk(new):
-        for block in ("body", "orelse"):
-            kept = getattr(part, block, None)
-            if isinstance(kept, list):
-                setattr(part, block, [s for s in kept if not (
-                    isinstance(s, Expr) and call_name(s.value) == "builtins.print")])
-    return new

@@ -90,7 +90,7 @@ def share_temporaries(function: FunctionDef, context: DerivativeContext) -> Func
             x_bar[1] += y[1] * seed             x_bar[1] += y[1] * seed
             y_bar[1] = x[1] * seed              y_bar[1] = x[1] * seed
             seed_2 = y_bar[0]                   seed = y_bar[0]
-            x_bar[0] += y_here * seed_2         x_bar[0] += y_here * seed
+            x_bar[0] += y[0] * seed_2           x_bar[0] += y[0] * seed
             y_bar[0] = x[0] * seed_2            y_bar[0] = x[0] * seed
     """
     kept = {*context.renamed.values()} | context.parameters(function)

@@ -1,17 +1,16 @@
 """dead_stores: a store that is overwritten before it is read goes, and a restore of what was never overwritten.
 
     def f(x: float64[:], y: float64[:]):
-        x[:] = np.sin(x)
-        y[:] = x * y
+        y[0] = 3.0 * x[1]
+        y[0] = x[1] * x[0]
 
-in its adjoint:
+in its tangent:
 
-    def f_adjoint(...):             def f_adjoint(...):
-        ...                             ...
-        y_before = np.copy(y)           seed = np.copy(y_bar)
-        y[...] = y_before               ...
-        seed = np.copy(y_bar)
-        ...
+    def f_tangent(...):                                 def f_tangent(...):
+        y_dot[0] = 3.0 * x_dot[1]                           y_dot[0] = x[0] * x_dot[1] + x[1] * x_dot[0]
+        y[0] = 3.0 * x[1]                                   y[0] = x[1] * x[0]
+        y_dot[0] = x[0] * x_dot[1] + x[1] * x_dot[0]
+        y[0] = x[1] * x[0]
 
 *Requires* a structured function. *Establishes* the same contents wherever they are read. Within one block: between the
 two statements none touches the array or a name of its subscripts.

@@ -45,6 +45,11 @@ class Calls:
             found += [statement.value.args[p] for p in unit.summary.written]
         return found
 
+    def is_pure(self, node: Call) -> bool:
+        """Whether a call stores and returns, and no more: it asserts nothing and runs no derivative of the user's."""
+        unit = self.callee(node)
+        return unit is not None and unit.summary.pure and not unit.runs_once
+
     def function_of(self, node: Call) -> FunctionDef | None:
         """The function that is called, in normal form; None if its runs may differ."""
         unit = self.callee(node)

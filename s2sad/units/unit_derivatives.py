@@ -30,7 +30,7 @@ from s2sad.form import verify
 from s2sad.infer.inference import Typing
 from s2sad.infer.types import FLOAT, UNKNOWN, Type
 from s2sad.blocks import returned_values
-from s2sad.liveness import Accesses
+from s2sad.liveness import Accesses, base_name, targets
 from s2sad.naming import Names
 from s2sad.normalize.calls.global_arrays import hidden_arrays
 from s2sad.normalize.calls.outlining import OutlinedLoop
@@ -39,7 +39,9 @@ from s2sad.passes import Passes, run
 from s2sad.program import Economy, Table, TapeDtype
 from s2sad.simplify import DerivativeContext, Effect, Effects
 from s2sad.simplify.wide_accumulators import uses_float32
-from s2sad.tree import AST, Assert, Call, For, FunctionDef, Name, function, is_comment, user_call, walk, walk_statements
+from s2sad.tree import (
+    AST, Assert, Call, For, FunctionDef, Name, While, function, is_comment, user_call, walk, walk_statements,
+)
 from s2sad.units.normal_forms import NormalForms
 from s2sad.units.unit import Unit
 
@@ -179,22 +181,29 @@ class Units(NormalForms):
         for half in (forward, made.function):
             self.effects.add(half, typing)
         self.schedules |= halves.constants()
-        made.again = adjoint is not None and self._runs_forwards(adjoint.name.removeprefix("user."))
+        in_arrays = any(_is_of_arrays(s, step.typing.table) for s in step.function.body)
+        made.again = adjoint is not None and self._runs_forwards(adjoint.name.removeprefix("user."), in_arrays)
         callee = replace(self._callee(made, request, typing), forward=f"user.{forward.name}",
                          results=len(loop.outputs))
         return UnitDerivative(callee, made.function, made, unit, context.activity, dict(typing.table), request,
                               context.structure, RecordingPlan(), (forward,))
 
-    def _runs_forwards(self, title: str) -> bool:
-        """Whether a function is an adjoint that runs a part of its primal, or calls one, or is no adjoint."""
+    def _runs_forwards(self, title: str, in_arrays: bool) -> bool:
+        """Whether a function is an adjoint that runs a part of its primal, or calls one, or is no adjoint; `in_arrays`
+        if what numbers alone are made of does not count."""
         made = next((d for d in self.derived.values() if d.function.name == title), None)
-        if made is None or made.unit.kernel.own is not None or made.unit.loop is not None:
+        if made is None:
+            unit = self.titled.get(title)
+            return unit is None or not in_arrays or any(t.is_array for t in unit.types)
+        if made.unit.kernel.own is not None or made.unit.loop is not None:
             return True
         body = made.function.body
         marks = [k for k, s in enumerate(body) if is_comment(s)]
         run = [s for s in body[:marks[-1] if marks else 0] if not (
             is_comment(s) or isinstance(s, Assert) or is_allocation(s))]
-        return bool(run) or any(self._runs_forwards(called) for n in walk(body) if (called := user_call(n)))
+        if in_arrays:
+            run = [s for s in run if _is_of_arrays(s, made.types)]
+        return bool(run) or any(self._runs_forwards(c, in_arrays) for n in walk(body) if (c := user_call(n)))
 
     def _state(self, step: Unit, loop: OutlinedLoop, adjoint: CalleeDerivative | None) -> tuple[str, ...]:
         """The parameters of a loop's step that are kept."""
@@ -407,3 +416,10 @@ def _widest(renamed: Mapping[str, str], typing: Typing) -> dict[str, Type]:
         elif kind != known:
             found[new] = replace(kind, dtype=np.result_type(kind.dtype, known.dtype).name)
     return found
+
+
+def _is_of_arrays(statement: AST, types: Mapping[str, Type]) -> bool:
+    """Whether a statement is a loop, stores into an array, makes one or gives one to a function."""
+    given = {n.id for part in walk(statement) if user_call(part) for n in part.args if isinstance(n, Name)}
+    bound = {base_name(t) for s in walk_statements(statement) for t in targets(s)}
+    return isinstance(statement, (For, While)) or any(n in types and types[n].is_array for n in given | bound)

@@ -1,4 +1,4 @@
-"""Adjoint of kernel: d(u) / d(u, c).
+"""Adjoint of kernel: d(u, return) / d(u, c).
 
 Engine: NumPy. Level: plain. Arguments:
     u: float64[:], in-out
@@ -13,7 +13,7 @@ It records:
 import numpy as np
 
 
-def kernel_adjoint(u, u_bar, c):
+def kernel_adjoint(u, u_bar, c, result_bar):
     # forward sweep: only what the reverse sweep reads
     left = u[u.size - 1]
     left_1 = left
@@ -26,6 +26,11 @@ def kernel_adjoint(u, u_bar, c):
     # reverse sweep
     c_bar = 0.0
     left_bar = 0.0
+    # return total
+    total_bar = result_bar
+    for i in range(u.size - 1, -1, -1):
+        # total += u[i] * u[i]
+        u_bar[i] += 2.0 * (u[i] * total_bar)
     for i in range(u.size - 1, -1, -1):
         left_1 = u_stack[i - 1] if i > 0 else left
         # u[i] = here - c * here * (here - left)

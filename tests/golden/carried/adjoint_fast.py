@@ -1,4 +1,4 @@
-"""Adjoint of kernel: d(u) / d(u, c).
+"""Adjoint of kernel: d(u, return) / d(u, c).
 
 Engine: Numba. Level: fast. Arguments:
     u: float64[:], in-out
@@ -15,8 +15,8 @@ import numpy as np
 from s2sad.runtime import added, sized  # isort: skip
 
 
-def kernel_adjoint_taped(u, u_bar, c, u_stack):
-    """Adjoint of kernel: d(u) / d(u, c), over given stacks."""
+def kernel_adjoint_taped(u, u_bar, c, result_bar, u_stack):
+    """Adjoint of kernel: d(u, return) / d(u, c), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     left = u[u.size - 1]
     left_1 = left
@@ -29,6 +29,11 @@ def kernel_adjoint_taped(u, u_bar, c, u_stack):
     # reverse sweep
     c_bar = 0.0
     left_bar = 0.0
+    # return total
+    total_bar = result_bar
+    for i in range(u.size):
+        # total += u[i] * u[i]
+        u_bar[i] += 2.0 * (u[i] * total_bar)
     for i in range(u.size - 1, -1, -1):
         left_1 = u_stack[i - 1] if i > 0 else left
         # u[i] = here - c * here * (here - left)
@@ -50,6 +55,6 @@ def kernel_adjoint_taped(u, u_bar, c, u_stack):
     return c_bar, u_stack
 
 
-def kernel_adjoint(u, u_bar, c):
-    returned = kernel_adjoint_taped(u, u_bar, c, np.empty(0))
+def kernel_adjoint(u, u_bar, c, result_bar):
+    returned = kernel_adjoint_taped(u, u_bar, c, result_bar, np.empty(0))
     return (returned[0],)

@@ -1,4 +1,4 @@
-"""Tangent of kernel: d(u) / d(u, c).
+"""Tangent of kernel: d(u, return) / d(u, c).
 
 Engine: NumPy. Level: plain. Arguments:
     u: float64[:], in-out
@@ -19,3 +19,9 @@ def kernel_tangent(u, u_dot, c, c_dot):
         u[i] = here - c * here * (here - left)
         left = here
         left_dot = here_dot
+    total_dot = 0.0
+    for i in range(u.size):
+        u_here = u[i]
+        u_here_dot = u_dot[i]
+        total_dot += u_here * u_here_dot + u_here * u_here_dot
+    return (total_dot,)

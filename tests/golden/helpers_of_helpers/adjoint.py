@@ -4,12 +4,8 @@ Engine: NumPy. Level: plain. Arguments:
     y: float64[:], in-out
     x: float64[:, :], in
 
-It records:
-    energy_value_stack: a part of `y[i] = y[i] * energy(x[i])`, 8 * x.shape[0] bytes
-    y_stack: y before `y[i] = y[i] * energy(x[i])`, 8 * x.shape[0] bytes
+It records nothing.
 """
-
-import numpy as np
 
 
 def square(a):
@@ -45,19 +41,10 @@ def energy_adjoint(row, row_bar, result_bar):
 
 
 def kernel_adjoint(y, y_bar, x, x_bar):
-    # forward sweep: only what the reverse sweep reads
-    energy_value_stack = np.empty(x.shape[0])
-    y_stack = np.empty(x.shape[0])
-    for i in range(x.shape[0]):
-        energy_value = energy(x[i])
-        energy_value_stack[i] = energy_value
-        y_stack[i] = y[i]
-        y[i] = y[i] * energy_value
     # reverse sweep
     for i in range(x.shape[0] - 1, -1, -1):
         # y[i] = y[i] * energy(x[i])
-        energy_value = energy_value_stack[i]
-        y[i] = y_stack[i]
+        energy_value = energy(x[i])
         seed = y_bar[i]
         energy_value_bar = y[i] * seed
         y_bar[i] = energy_value * seed

@@ -5,7 +5,6 @@ Engine: NumPy. Level: plain. Arguments:
     y: float64[:], in-out
 
 It records:
-    y_stack: y before `y[k] = total * value`, 8 * len(x) bytes
     total_stack: total where an iteration of `for i in reversed(range(1,
         x.size)):` begins, 8 * len(range(x.size - 1, 0, -1)) bytes
 """
@@ -20,11 +19,6 @@ def kernel_adjoint(x, x_bar, y, y_bar, result_bar):
         value = x[index]
         other = y[index]
         total += value * other
-    y_stack = np.empty(len(x))
-    for k in range(len(x)):
-        value_1 = x[k]
-        y_stack[k] = y[k]
-        y[k] = total * value_1
     total_1 = total
     total_stack = np.empty(len(range(x.size - 1, 0, -1)))
     for i in range(x.size - 1, 0, -1):
@@ -40,9 +34,8 @@ def kernel_adjoint(x, x_bar, y, y_bar, result_bar):
         total_bar = x[i] * total_1_bar
         x_bar[i] += total_1 * total_1_bar
     for k in range(len(x) - 1, -1, -1):
-        # y[k] = total * value
-        y[k] = y_stack[k]
         value_1 = x[k]
+        # y[k] = total * value
         seed = y_bar[k]
         y_bar[k] = 0.0
         total_bar += value_1 * seed

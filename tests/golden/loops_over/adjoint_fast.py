@@ -5,7 +5,6 @@ Engine: Numba. Level: fast. Arguments:
     y: float64[:], in-out
 
 It records:
-    y_stack: y before `y[k] = total * value`, 8 * len(x) bytes
     total_stack: total where an iteration of `for i in reversed(range(1,
         x.size)):` begins, 8 * len(range(x.size - 1, 0, -1)) bytes
 """
@@ -15,7 +14,7 @@ import numpy as np
 from s2sad.runtime import added, sized  # isort: skip
 
 
-def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, y_stack, total_stack):
+def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, total_stack):
     """Adjoint of kernel: d(y, return) / d(x, y), over given stacks."""
     # forward sweep: only what the reverse sweep reads
     total = 0.0
@@ -23,11 +22,6 @@ def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, y_stack, total_stack):
         value = x[index]
         other = y[index]
         total += value * other
-    y_stack = sized(y_stack, (len(x),))
-    for k in range(len(x)):
-        value_1 = x[k]
-        y_stack[k] = y[k]
-        y[k] = total * value_1
     total_1 = total
     total_stack = sized(total_stack, (len(range(x.size - 1, 0, -1)),))
     for i in range(x.size - 1, 0, -1):
@@ -43,9 +37,8 @@ def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, y_stack, total_stack):
         total_bar = x[i] * total_1_bar
         x_bar[i] += total_1 * total_1_bar
     for k in range(len(x)):
-        # y[k] = total * value
-        y[k] = y_stack[k]
         value_1 = x[k]
+        # y[k] = total * value
         seed = y_bar[k]
         y_bar[k] = 0.0
         total_bar = added(total_bar, value_1 * seed)
@@ -59,8 +52,8 @@ def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, y_stack, total_stack):
         other_bar = value * total_bar
         y_bar[index] += other_bar
         x_bar[index] += value_bar
-    return y_stack, total_stack
+    return (total_stack,)
 
 
 def kernel_adjoint(x, x_bar, y, y_bar, result_bar):
-    kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, np.empty(0), np.empty(0))
+    kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, np.empty(0))

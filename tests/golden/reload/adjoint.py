@@ -17,12 +17,18 @@ def kernel_adjoint(a, a_bar):
         a[j, j] = np.sqrt(a[j, j])
         for i in range(j + 1, a.shape[0]):
             a[i, j] = a[i, j] / a[j, j]
+            a_here = a[i, j]
+            a[i, i] -= a_here * a_here
     # reverse sweep
     for j in range(a.shape[0] - 1, -1, -1):
         for i in range(a.shape[0] - 1, j, -1):
             # a[i, j] /= a[j, j]
             a_here = a[j, j]
             ratio = a[i, j]
+            # a[i, i] -= a[i, j] * a[i, j]
+            a_here_2 = a[i, j]
+            a_bar[i, j] -= 2.0 * (a_here_2 * a_bar[i, i] if a_here_2 != 0.0 else 0.0)
+            # a[i, j] /= a[j, j]
             ratio_bar = a_bar[i, j]
             a_bar[i, j] = ratio_bar / a_here if ratio_bar != 0.0 else 0.0
             a_bar[j, j] -= (

@@ -9,6 +9,7 @@ def kernel(a):
         a[j, j] = math.sqrt(a[j, j])
         for i in range(j + 1, a.shape[0]):
             a[i, j] /= a[j, j]
+            a[i, i] -= a[i, j] * a[i, j]
 
 
 ARGUMENTS = (np.array([[4.0, 1.0, 0.5], [1.0, 5.0, 0.2], [0.5, 0.2, 6.0]]),)

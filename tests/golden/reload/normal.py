@@ -13,3 +13,5 @@ def kernel(a):
             a_here_3 = a[j, j]
             ratio = a_here_2 / a_here_3
             a[i, j] = ratio
+            a_here_4 = a[i, j]
+            a[i, i] -= a_here_4 * a_here_4

@@ -26,3 +26,10 @@ def kernel_tangent(a, a_dot):
                 ((slope * a_here_3_dot if a_here_3_dot != 0.0 else 0.0) if slope != 0.0 else 0.0)
             )
             a[i, j] = ratio
+            a_here = a[i, j]
+            a_here_4_dot = a_dot[i, j]
+            a_dot[i, i] -= (
+                (a_here * a_here_4_dot if a_here != 0.0 else 0.0) +
+                (a_here * a_here_4_dot if a_here != 0.0 else 0.0)
+            )
+            a[i, i] -= a_here * a_here

@@ -4,28 +4,19 @@ Engine: Numba. Level: fast. Arguments:
     u: float64[:], in-out
     p: float64[:], in
 
-It records:
-    u_stack: u before `u[i] = a * u[i] * u[i] + b / c`, 8 * u.size bytes
+It records nothing.
 """
 
 # ruff: noqa: FURB136, RUF100
 
-import numpy as np
-
-from s2sad.runtime import added, sized  # isort: skip
+from s2sad.runtime import added  # isort: skip
 
 
-def kernel_adjoint_taped(u, u_bar, p, p_bar, u_stack):
-    """Adjoint of kernel: d(u) / d(u, p), over given stacks."""
+def kernel_adjoint(u, u_bar, p, p_bar):
     # forward sweep: only what the reverse sweep reads
     a = p[0]
     b = p[1]
     c = p[2]
-    u_stack = sized(u_stack, (u.size,))
-    for i in range(u.size):
-        u_here = u[i]
-        u_stack[i] = u[i]
-        u[i] = a * u_here * u_here + b / c
     # reverse sweep
     a_bar = 0.0
     b_bar = 0.0
@@ -33,7 +24,6 @@ def kernel_adjoint_taped(u, u_bar, p, p_bar, u_stack):
     reciprocal = 1.0 / c
     for i in range(u.size):
         # u[i] = a * u[i] * u[i] + b / c
-        u[i] = u_stack[i]
         u_here = u[i]
         seed = u_bar[i]
         seed_2 = u_here * seed
@@ -45,8 +35,3 @@ def kernel_adjoint_taped(u, u_bar, p, p_bar, u_stack):
     p_bar[2] += c_bar
     p_bar[1] += b_bar
     p_bar[0] += a_bar
-    return (u_stack,)
-
-
-def kernel_adjoint(u, u_bar, p, p_bar):
-    kernel_adjoint_taped(u, u_bar, p, p_bar, np.empty(0))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from s2sad.analyze.dependence import ArrayReference
 from s2sad.liveness import base_name, targets
-from s2sad.analyze.reverse_uses import ReverseUses
+from s2sad.analyze.recording.reverse_uses import ReverseUses
 from s2sad.analyze.recording_plan import Store, subscripts
 from s2sad.analyze.uses import loads_of
 from s2sad.analyze.reverse_values import ReverseValue

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections import deque
 
-from s2sad.analyze.min_cut import Network
+from s2sad.analyze.recording.min_cut import Network
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem, Shift, Snapshot, Store, by_key
 from s2sad.analyze.program_structure import StatementPlace, heads
@@ -24,7 +24,7 @@ class ReverseUses:
         self.result = RecordingPlan(rerun=rerun, snapshots=snapshots, reversed=set(reversed))
         self.users: dict[str, list[AST | str]] = {}
         self.stores = [Store(p.statement, t, self._is_whole(t)) for p in problem.structure.places.values()
-                       for t in problem.writes(p.statement)]
+                       for t in problem.stores(p.statement)]
         self.stores_to = by_key(self.stores, lambda s: base_name(s.place))
         self.stores_by = by_key(self.stores, lambda s: id(s.statement))
         self.stored = by_key((s for s in self.stores if isinstance(s.statement, Assign) and isinstance(

@@ -10,7 +10,7 @@ from math import prod
 
 from s2sad.analyze.dependence import ArrayReference
 from s2sad.liveness import base_name, targets
-from s2sad.analyze.recomputation import RecomputationPlaces
+from s2sad.analyze.recording.recomputation import RecomputationPlaces
 from s2sad.analyze.recording_plan import (
     RecordingPlan, RecordingProblem, Shift, Snapshot, Store, by_key, reads, subscripts,
 )
@@ -49,6 +49,7 @@ class RecordingPlanner(RecomputationPlaces):
     def plan(self) -> RecordingPlan:
         """What is reversed, needs, placements, the network, the cut, and what follows from it."""
         self.find_reversed()
+        self.result.unread = self.problem.unread
         self.result.after = frozenset(i for i, p in self.structure.places.items() if self.problem.after(p.statement))
         required: list[tuple[str, AST]] = []
         mandatory: list[tuple[AST, AST]] = []
