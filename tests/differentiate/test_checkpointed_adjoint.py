@@ -270,6 +270,60 @@ def test_rows_that_another_step_has_filled_are_kept(kernel):
         np.testing.assert_allclose(found[name], gradient, rtol=1e-13)
 
 
+def filled_either_way(u, c, n):
+    f = np.zeros(u.size)
+    for _k in range(n):
+        for i in range(u.size):
+            if u[i] > 0.3:
+                f[i] = u[i] * u[i]
+            else:
+                f[i] = c * u[i]
+        for i in range(u.size):
+            u[i] += c * f[i]
+    return np.sum(u)
+
+
+def filled_one_way(u, c, n):
+    f = np.zeros(u.size)
+    for _k in range(n):
+        for i in range(u.size):
+            if u[i] > 0.3:
+                f[i] = u[i] * u[i]
+        for i in range(u.size):
+            u[i] += c * u[i] * f[i]
+    return np.sum(u)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_what_is_filled_whatever_way_is_taken_is_no_state(engine):
+    given = np.linspace(0.1, 0.6, 6), 0.11, 9
+    assert "f_snapshots" not in _text(filled_either_way, *given, k=3)
+    assert "f_snapshots" in _text(filled_one_way, *given, k=3)
+    with running(engine) as under:
+        for kernel in (filled_either_way, filled_one_way):
+            plain = s2sad.differentiate(kernel, engine=under)
+            for wrt in ("u", "c"):
+                expected = s2sad.gradient(plain, wrt=wrt)(*given)
+                np.testing.assert_array_equal(s2sad.gradient(plain, wrt=wrt, checkpoint={"_k": 2})(*given), expected)
+
+
+def euler_in_loops(u, c, n):
+    f = np.zeros(u.size)
+    for _k in range(n):
+        for i in range(1, u.size - 1):
+            f[i] = u[i - 1] * u[i + 1]
+        for i in range(1, u.size - 1):
+            u[i] += 0.1 * f[i]
+    return np.sum(u)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_the_adjoint_of_a_step_that_updates_its_state_last_runs_none(engine):
+    kept = s2sad.differentiate(euler_in_loops, wrt="u", engine=engine, checkpoint={"_k": 10})
+    [loop] = kept.adjoint.memory(np.ones(4), 0.1, 1000).loops
+    assert "which run 3,637 times in all, 3.64 a step; their adjoints run none" in str(loop)
+
+
 def test_what_is_kept_is_told():
     kept = s2sad.differentiate(steps_of, engine="numpy", checkpoint={"k": 3})
     told = str(s2sad.explain(kept, np.ones(4), 0.1, 100))
