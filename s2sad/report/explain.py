@@ -98,14 +98,15 @@ def explain(f: Callable[..., Any], *args: Any, wrt: Wrt = None,
     Literature: Hascoet, Naumann, Pascual, "To be recorded" analysis in reverse-mode AD, FGCS 21, 2005.
 
     >>> import numpy as np
-    >>> def square(u):
+    >>> def energy(u):
     ...     for i in range(u.size):
     ...         u[i] = u[i] * u[i]
-    >>> print(explain(square, np.ones(5), engine="numpy"))  # doctest: +ELLIPSIS
-    Adjoint of square: d(u) / d(u), engine numpy
+    ...     return np.sum(u * u)
+    >>> print(explain(energy, np.ones(5), engine="numpy"))  # doctest: +ELLIPSIS
+    Adjoint of energy: d(u, return) / d(u), engine numpy
     records 40 bytes
     <BLANKLINE>
-    square_adjoint
+    energy_adjoint
       recorded
         u_stack: 40 bytes = 8 * u.size bytes, u before `u[i] = u[i] * u[i]`
           needed by line 3: u[i] = u[i] * u[i]

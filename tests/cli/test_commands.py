@@ -78,8 +78,8 @@ def test_a_standalone_adjoint_computes_the_gradient_without_s2sad(tmp_path, ran)
 
 
 def test_explain_as_text_json_and_page(ran, kernel):
-    kernel(SCALE)
-    assert ran("explain", "k.py:scale")[1].startswith("Adjoint of scale: d(u) / d(u, c), engine numpy\n")
+    kernel("import numpy as np\n\n\n" + SCALE + "    return np.sum(u * u)\n")
+    assert ran("explain", "k.py:scale")[1].startswith("Adjoint of scale: d(u, return) / d(u, c), engine numpy\n")
     assert "\nrecords 8 * u.size bytes\n" in ran("explain", "k.py:scale")[1]
     assert "\nrecords 4.00 MB\n" in ran("explain", "k.py:scale", "--arguments", "u=np.ones(500_000)")[1]
     assert json.loads(ran("explain", "k.py:scale", "--json")[1])["functions"][0]["name"] == "scale_adjoint"
