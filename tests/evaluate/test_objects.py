@@ -177,13 +177,47 @@ def swapped_in_a_helper(first, second, x):
 
 def test_an_object_that_is_given_twice_and_changed_for_a_while():
     part, us = Part(1.5), [X.copy()]
-    for kernel, given, said in ((swapped_back, (part, part, 0.5), "'first' and 'second'"),
-                                (swapped_in_a_helper, (part, part, 0.5), "'first' and 'second'"),
-                                (grown_and_shrunk, (us, us, X), "'us' and 'vs'")):
+    calls: list[Any] = [(swapped_back, (part, part, 0.5), "'first' and 'second'"),
+                        (swapped_in_a_helper, (part, part, 0.5), "'first' and 'second'"),
+                        (grown_and_shrunk, (us, us, X), "'us' and 'vs'")]
+    for kernel, given, said in calls:
         with pytest.raises(S2sadError) as caught:
             gradient(differentiate(kernel), wrt="x")(*given)
         assert one_line(caught.value).startswith(f"{said} are one object, which is changed: pass a copy"), kernel
     assert gradient(differentiate(swapped_back), wrt="x")(part, Part(1.5), 0.5) == 1.5 * 9.0
+
+
+def left_with_what_it_has_made(part, x):    # noqa: RET503
+    for _, v in zip((part, part), x):
+        part.h.append(np.sin(v))
+        for _ in range(3):
+            held = []
+            for w in x:
+                held.append(lambda p, w=w: p * w + 1.5)
+            if True:
+                return -0.7
+
+
+def grown_where_a_loop_is_left(part, x):
+    count = 0
+    while x[0] < 3.0:
+        count += 1
+        if count > 3:
+            break
+        x[0] = x[0] * 0.9 + 0.5
+        inner = 0
+        while part.t < left_with_what_it_has_made(part, x):
+            inner += 1
+            if inner > 3:
+                break
+            part.t = part.t * 0.9 + 0.5
+            x[1:] += left_with_what_it_has_made(part, x)
+    return np.sum(x)
+
+
+def test_a_list_that_is_made_where_a_loop_is_left():
+    found = gradient(differentiate(grown_where_a_loop_is_left), wrt="x")(Part(0.3), np.array([1.1, 0.5, 0.2]))
+    np.testing.assert_allclose(found, [0.9 ** 3, 1.0, 1.0])
 
 
 def multiplied(state, x):

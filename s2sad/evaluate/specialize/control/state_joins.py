@@ -145,6 +145,8 @@ class Join:
     def meet(self, values: Sequence[Value], wanted: str) -> Value:
         """One value for those of all ways."""
         one = values[0]
+        if any(isinstance(v, Reference) and v.number not in w.objects for w, v in zip(self.ways, values)):
+            return Conflict(f"'{wanted}' is made on one way only")
         if all(alike(one, v) for v in values[1:]):
             return next((v for v in values if isinstance(v, Data) and v.may_be_unbound), one)
         again = None if self.decided is None else decided_again(self.decided, [
