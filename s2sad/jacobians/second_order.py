@@ -14,7 +14,7 @@ import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.dispatch.arguments import misfit
-from s2sad.dispatch.cache import ProgramVersion, derivatives_of
+from s2sad.dispatch.cache import ProgramVersion, derivatives_of, private_copy
 from s2sad.dispatch.deferred import compiler
 from s2sad.interface.pytrees import Carrier
 from s2sad.interface.selection import RETURN, Wrt, names_of, selected_wrt, uncopied
@@ -81,7 +81,7 @@ class _SecondOrderCall:
         self._call = ReverseCall(self._state, carrier, given, (RETURN,), wrt)
 
     def _arguments(self, values: Sequence[Any], directions: Mapping[str, Any]) -> tuple[Any, ...]:
-        by_name, shadows = self.first.bind_values(values, directions, uncopied)     # its adjoint copies what it writes
+        by_name, shadows = self.first.bind_values(values, directions, _copied)
         hidden = self.first.state.private_outside_arrays(self.first.types)
         return tuple([shadows[p.primal] if p.role == "shadow" else hidden.get(p.name, by_name.get(p.name))
                       for p in self._parameters])
@@ -89,6 +89,11 @@ class _SecondOrderCall:
     def __call__(self, values: Sequence[Any], directions: Mapping[str, Any]) -> dict[str, Any]:
         found = self._call.run(self._arguments(values, directions), {RETURN: 1.0})
         return self._call.by_argument(*found)       # a Hessian may well be zero, which is no reason to warn
+
+
+def _copied(place: Any, array: np.ndarray) -> np.ndarray:
+    """An argument as it is, for the adjoint copies what it writes; a copy of a direction, which may be an argument."""
+    return uncopied(place, array) if place[0] == "value" else private_copy(array)
 
 
 def _with_one_result(text: str, entry: str) -> str:

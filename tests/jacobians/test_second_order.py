@@ -108,3 +108,11 @@ def test_tangents_of_a_written_adjoint(kernel):
     direction = np.linspace(-1.0, 1.0, X.size)
     found = s2sad.jvp(adjoint, (X, np.zeros_like(X), 3, 1.0), {"x": direction}, of=("x_bar",))["x_bar"]
     np.testing.assert_allclose(found, s2sad.hvp(kernel, (X, 3), {"x": direction}), rtol=1e-10, atol=1e-13)
+
+
+def test_a_direction_that_is_the_argument_itself():
+    x = np.array([0.5, 1.5, -1.0])
+    for kernel in (rounded_values.product, rounded_values.by_arrays):
+        found, expected = (s2sad.hvp(kernel, (x, 3), {"x": v}) for v in (x, x.copy()))
+        np.testing.assert_array_equal(found, expected)
+        np.testing.assert_array_equal(x, [0.5, 1.5, -1.0])
