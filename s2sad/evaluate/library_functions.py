@@ -25,6 +25,8 @@ def piecewise(x, condlist, funclist):
         for condition in conditions[1:]:
             taken = taken | condition
         conditions.append(~taken)
+    if len(funclist) != len(conditions):
+        raise ValueError("piecewise: as many functions as conditions, or one more")
     for condition, value in zip(conditions, funclist):
         whole[condition] = value(x[condition]) if callable(value) else value
     return whole
@@ -39,8 +41,10 @@ def fromfunction(function, shape, dtype=float):
 def apply_along_axis(func1d, axis, arr):
     if arr.ndim == 1:
         return func1d(arr)
+    if arr.ndim > 2:
+        raise NotImplementedError("apply_along_axis: arrays of more than two axes")
     if axis == 0 or axis == -2:
-        return np.array([func1d(column) for column in arr.T]).T
+        return np.moveaxis(np.array([func1d(column) for column in arr.T]), 0, -1)
     return np.array([func1d(row) for row in arr])
 
 
@@ -70,8 +74,12 @@ def broadcast_arrays(*args):
 
 
 def sliding_window_view(x, window_shape):
-    width = window_shape[0] if isinstance(window_shape, tuple) else window_shape
-    return x[np.arange(len(x) - width + 1)[:, None] + np.arange(width)]
+    widths = window_shape if isinstance(window_shape, tuple) else (window_shape,)
+    if len(widths) != x.ndim:
+        raise ValueError("sliding_window_view: a length for each axis")
+    if x.ndim > 1:
+        raise NotImplementedError("sliding_window_view: windows of several axes")
+    return x[np.arange(len(x) - widths[0] + 1)[:, None] + np.arange(widths[0])]
 
 
 def unravel_index(indices, shape):
@@ -131,6 +139,8 @@ def masked_std(a, axis=None, *, ddof=0, keepdims=False, where=True):
 def clenshaw(x, c, factor, behind):
     """The last two of b[k] = c[k] + factor(k, x) * b[k + 1] - behind(k) * b[k + 2] before c[0] is added."""
     given = np.asarray(c)
+    if given.ndim != 1:
+        raise NotImplementedError("series of coefficients with several axes")
     ahead, second = 0.0 * x, 0.0 * x
     for k in range(len(given) - 1, 0, -1):
         ahead, second = given[k] + factor(k, x) * ahead - behind(k) * second, ahead
@@ -163,7 +173,7 @@ def lagval(x, c):
 
 
 def polyadd(a1, a2):
-    left, right = np.asarray(a1), np.asarray(a2)
+    left, right = np.atleast_1d(a1), np.atleast_1d(a2)
     n = max(len(left), len(right))
     whole = np.zeros(n)
     whole[n - len(left):] += left
@@ -175,7 +185,7 @@ def polysub(a1, a2):
     return polyadd(a1, -np.asarray(a2))
 
 
-class poly1d:
+class poly1d:   # noqa: PLW1641
     """A polynomial by its coefficients, the highest power first."""
 
     def __init__(self, c_or_r):
@@ -196,6 +206,9 @@ class poly1d:
     def __rmul__(self, other):
         return poly1d(self._given * other)
 
+    def __eq__(self, other):
+        raise NotImplementedError("polynomials that are compared")
+
     def deriv(self):
         return poly1d(np.polyder(self._given))
 
@@ -203,7 +216,7 @@ class poly1d:
         return poly1d(np.polyint(self._given))
 
 
-class Polynomial:
+class Polynomial:   # noqa: PLW1641
     """A polynomial by its coefficients, the lowest power first."""
 
     def __init__(self, coef):
@@ -211,6 +224,9 @@ class Polynomial:
 
     def __call__(self, arg):
         return np.polynomial.polynomial.polyval(arg, self.coef)
+
+    def __eq__(self, other):
+        raise NotImplementedError("polynomials that are compared")
 
 
 def _by_path(room: str, *found: Any) -> Iterable[tuple[str, Any]]:

@@ -18,7 +18,7 @@ import numpy
 
 from s2sad import tree
 from s2sad.diagnostics import Source
-from s2sad.evaluate.specialize.classes.class_lookup import class_value
+from s2sad.evaluate.specialize.classes.class_lookup import class_value, library_value_of
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import Reached
@@ -88,7 +88,7 @@ def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> 
         return _derivative(ev, value, node, f)
     path = library_path(name, value) or _drawing(value) or _own(value)
     if path is not None:
-        return LibraryValue(path)
+        return library_value_of(path)
     if isinstance(value, type):
         return _class(ev, value, name, node, f)
     if getattr(value, "__code__", None) is _CONTEXT_MANAGER:

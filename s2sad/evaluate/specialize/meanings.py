@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.specialize.classes.class_lookup import class_value
+from s2sad.evaluate.specialize.classes.class_lookup import class_value, library_value_of
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.values import Data, FunctionValue, LibraryValue, ObjectValue, ScopeValue, Value, constant
@@ -97,7 +97,7 @@ def _library(ev: Evaluator, path: str, node: AST) -> Value:
         return Data(tree.at(tree.const(value), node), value)
     if isinstance(value, float):
         return Data(tree.at(tree.name(ev.library(path)), node), value)
-    return LibraryValue(path)
+    return library_value_of(path)
 
 
 @operation

@@ -67,12 +67,18 @@ def masked(x, a):
     return total + np.var(a, where=some, ddof=1) * x[0]
 
 
+def classes_of_polynomials(x, a):
+    make, p = np.poly1d, np.poly1d([x[0], 1.0])
+    known = isinstance(p, np.poly1d) and type(p) is make and not isinstance(p, np.polynomial.Polynomial)
+    return (make([x[1], 2.0]) * p)(x[2]) * (a[0, 0] if known else a[0, 1]) + np.sum(np.polysub(x[0], x[1:]) ** 2)
+
+
 def several_points(x, a):
     return np.sum(np.polynomial.legendre.leggauss(100)[0]) * x[0]
 
 
 def cases():
-    for kernel in (pieces, along_axes, grids, series, polynomial, quadrature, signals, masked):
+    for kernel in (pieces, along_axes, grids, series, polynomial, quadrature, signals, masked, classes_of_polynomials):
         yield Case(kernel, (X.copy(), A.copy()), ("x", "a"))
     yield Case(several_points, (X.copy(), A.copy()), ("x",), refused=(
         "S201 at `np.polynomial.legendre.leggauss(100)`: a quadrature of 100 points: take 64 at most"))

@@ -8,6 +8,7 @@ import sys
 import types
 from typing import Any
 
+from s2sad.evaluate.library_functions import WRITTEN
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.values import (
@@ -200,3 +201,9 @@ def _is_of_library(value: Data, path: str) -> bool | None:
 @functools.cache
 def class_value(made: type) -> ClassValue:
     return ClassValue(made.__name__, made)
+
+
+def library_value_of(path: str) -> ClassValue | LibraryValue:
+    """Something of a library; a class that is read in its place is that class, also where it is asked for."""
+    made = WRITTEN.get(path)
+    return class_value(made) if isinstance(made, type) else LibraryValue(path)
