@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from s2sad.jacobians.compression_plan import Plan as Plan
     from s2sad.jacobians.jacobian import Jacobian as Jacobian, jacobian as jacobian
     from s2sad.jacobians.second_order import Hessian as Hessian, hessian as hessian, hvp as hvp
+    from s2sad.odes.right_hand_side import Ode as Ode, ode as ode
     from s2sad.interface.tapes import Tape as Tape, clear as clear
     from s2sad.program import Snapshots as Snapshots
     from s2sad.custom.user_rules import nondifferentiable as nondifferentiable, rule as rule
@@ -60,16 +61,17 @@ _HOMES = {
     "jacobians.jacobian": ("Jacobian", "jacobian"),
     "jacobians.second_order": ("Hessian", "hessian", "hvp"),
     "interface.tapes": ("Tape", "clear"),
+    "odes.right_hand_side": ("Ode", "ode"),
     "program": ("Snapshots",),
     "interface.drivers": ("gradient", "jvp", "make_zero", "value_and_gradient", "vjp"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [
     "Active", "BatchDuplicated", "Bench", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed",
-    "Explanation", "Forward", "ForwardWithPrimal", "Hessian", "Jacobian", "Memory", "Plan", "Reverse",
+    "Explanation", "Forward", "ForwardWithPrimal", "Hessian", "Jacobian", "Memory", "Ode", "Plan", "Reverse",
     "ReverseWithPrimal", "S2sadError", "S2sadWarning", "Snapshots", "Tape", "autodiff", "bench", "casadi", "check",
     "clear", "differentiate", "explain", "grad", "gradient", "hessian", "hvp", "jacobian", "jax", "jvp", "make_zero",
-    "nondifferentiable", "rule", "timesteps", "torch", "value_and_grad", "value_and_gradient", "vjp",
+    "nondifferentiable", "ode", "rule", "timesteps", "torch", "value_and_grad", "value_and_gradient", "vjp",
 ]
 
 

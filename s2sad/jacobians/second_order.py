@@ -31,8 +31,9 @@ def hvp(f: Callable[..., Any], args: Sequence[Any], directions: Mapping[str, Any
     """The Hessian of the one float that f returns times a direction: how its gradient changes along it.
 
     Args: args, all of f's positional arguments; directions, by argument name, a float for a float, an array of the same
-    shape and dtype for an array; wrt, the arguments whose gradients these are (default: those of the directions). The
-    result is an array or float for one of them, a dict by name for several. Arguments are never changed.
+    shape and dtype for an array (or of integers, for float64); wrt, the arguments whose gradients these are (default:
+    those of the directions). The result is an array or float for one of them, a dict by name for several. Arguments
+    are never changed.
     Raises S2sadError: S401 (f does not return one float; a name that is none of a float), S403 (a direction that does
     not fit), S405 (structures); and what f raises. Adjoint of the tangent: Griewank and Walther, Evaluating
     Derivatives, SIAM 2008, chapter 5.
@@ -51,8 +52,14 @@ def hvp(f: Callable[..., Any], args: Sequence[Any], directions: Mapping[str, Any
         raise misfit("directions holds none", 'give a dict by argument name: {"x": v}')
     asked = names_of(wrt, f) or tuple(directions)
     call = _second(state, f, values, tuple(directions), asked)
-    found = call(values, directions)
+    found = call(values, {name: _as_floats(along) for name, along in directions.items()})
     return found[asked[0]] if len(asked) == 1 else {name: found[name] for name in asked}
+
+
+def _as_floats(direction: Any) -> Any:
+    """A direction of integers as one of floats: SciPy's optimizers ask for a product with zeros of int8 first."""
+    integers = isinstance(direction, np.ndarray) and direction.dtype.kind in "iu"
+    return direction.astype(float) if integers else direction
 
 
 class _SecondOrderCall:
