@@ -84,7 +84,7 @@ def _is_together(node: AST, program: Program) -> bool:
     """Whether several values are one for a node: a tuple, a list, what a function returns that gives several."""
     if isinstance(node, (Tuple, List)):
         return not isinstance(node.ctx, Store)
-    if isinstance(node, Starred) or call_name(node) == "builtins.divmod":
+    if isinstance(node, Starred) or call_name(node) in ("builtins.divmod", "numpy.meshgrid"):
         return True
     called = user_call(node)
     return called is not None and result_count(called, program) > 1

@@ -73,9 +73,11 @@ class AccessPaths:
             isinstance(n, Call) and any(self.typing.of(a).is_array for a in n.args) for n in walk(subscript))
 
     def gathers_from_part(self, node: Subscript, view: AccessPath) -> bool:
-        """Whether arrays pick elements of a part of an array that slices take: it is copied first."""
+        """Whether arrays pick elements of a part of an array that slices take, or behind a slice of one that numbers
+        do: it is copied first."""
         picks = any(self.typing.of(s).is_array for s in indices(node) if not isinstance(s, (Slice, Constant)))
-        return picks and any(isinstance(s, Slice) or is_new(s) for s in view[1])
+        return picks and (any(isinstance(s, Slice) or is_new(s) for s in view[1]) or are_separated(
+            [*view[1], *indices(node)], self.typing))
 
     def copied_part(self, part: AST) -> str:
         """A name for a copy of a part of an array."""

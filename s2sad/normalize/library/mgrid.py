@@ -9,27 +9,34 @@ becomes
         i, j = np.meshgrid(np.arange(0, n, 1), np.arange(0, n, 1), indexing="ij")
         return np.sum(x[:n] * i * j)
 
-Requires resolved names. Establishes that no grid is made by slices. A step that is an imaginary number is the number of
-points. All axes have one type: they are floats if one bound is; where bounds are names, 0 times those of the other axes
-is added.
+Requires resolved names. Establishes that no grid is made by slices; one that is not taken apart at once is an array of
+its axes. A step that is an imaginary number is the number of points. All axes have one type: they are floats if one
+bound is; where bounds are names, 0 times those of the other axes is added.
 """
 from __future__ import annotations
 
 from s2sad.evaluate.scope import KernelScope
+from s2sad.infer.signatures.laws import whole_number
 from s2sad.tree import (
-    AST, Attribute, BinOp, Constant, Div, FunctionDef, Mult, Name, Slice, Subscript, Tuple, USub, UnaryOp, add, at,
-    call, call_name, children, const, copy, dump, index, indices, keyword, mult, rebuild, tuple_of, walk, with_body,
+    AST, Assign, Attribute, BinOp, Constant, Div, FunctionDef, List, Load, Mult, Name, Slice, Subscript, Tuple, USub,
+    UnaryOp, add, at, call, call_name, children, const, copy, dump, index, indices, keyword, mult, rebuild, tuple_of,
+    walk, with_body,
 )
 
-_OPEN, _FULL = "numpy.ogrid", "numpy.mgrid"
+_OPEN, _FULL, _AXES = "numpy.ogrid", "numpy.mgrid", "numpy.meshgrid"
 
 
 def mgrid(function: FunctionDef, scope: KernelScope) -> FunctionDef:
     """The function without such grids; other ones are refused."""
+    apart = {id(n.value) for n in walk(function.body) if isinstance(n, Subscript) and whole_number(n.slice) is not None
+             or isinstance(n, Assign) and isinstance(n.targets[0], (Tuple, List))}
+
     def change(node: AST) -> AST | None:
         if not isinstance(node, Subscript) or not isinstance(node.value, Name) or node.value.id not in (_OPEN, _FULL):
             return None
         made = _grid(node)
+        if made is not None and call_name(made) == _AXES and id(node) not in apart:
+            made = call("numpy.array", List([index(copy(made), const(k)) for k in range(len(made.args))], Load()))
         if made is None:
             scope.refuse(node, f"a grid by np.{node.value.id[6:]} of other slices than one to three with ends",
                          help="write np.meshgrid(x, y, indexing='ij'), of ranges that have names")
@@ -55,7 +62,7 @@ def _grid(node: Subscript) -> AST | None:
                           for k, a in enumerate(axes))) if len(axes) > 1 else None
     if len(axes) == 1:
         return None
-    grid = call("numpy.meshgrid", *axes)
+    grid = call(_AXES, *axes)
     grid.keywords = [keyword("indexing", const("ij"))]
     return grid
 

@@ -23,6 +23,7 @@ from s2sad.infer.types import UNKNOWN, Type
 from s2sad.infer.unit_axes import unit_axes
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.control.conditional_values import ARRAYS, refuse_added_aliases
+from s2sad.normalize.library.separated_subscripts import separated_subscripts
 from s2sad.rules import find_array
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Compare, Constant, FloorDiv, FunctionDef, In, Is, IsNot, List, Mod, Mult,
@@ -60,6 +61,8 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
             return _item(node, typing.of(node.func.value), [rebuild(n, change) for n in [node.func.value, *node.args]])
         if isinstance(node, Subscript) and isinstance(node.slice, Slice) and isinstance(node.value, Attribute):
             return _shape_slice(node, typing)
+        if isinstance(node, Subscript) and (made := separated_subscripts(node, typing)) is not None:
+            return rebuild(made, change)
         if call_name(node) in ARRAYS and (kind := typing.of(node)).is_number:
             return at(call(_CASTS[kind.dtype], rebuild(node.args[0], change)), node)
         if (dtype := CASTS.get(call_name(node) or "")) and isinstance(node, Call) and len(node.args) == 1 and (

@@ -52,16 +52,6 @@ KERNELS = (mask_and_row_of_one_matrix, column_by_number, mask_changed_in_while, 
            allocated_by_what_an_array_holds)
 
 
-def picked_around_a_slice(a, x):
-    places = np.array([0, 2])
-    x[0] = np.sum(a[0, :, places] * a[0, :, places])
-
-
-def mask_after_a_slice(a, x):
-    high = x > 0.5
-    x[0] = np.sum(a[1, :, high])
-
-
 def sizes_that_do_not_hold(x, k):
     picked = x[x > 9.0]
     if picked.size > 1:
@@ -135,17 +125,6 @@ def cases():
         kernel(*left)
         of = tuple(n for n, p, q in zip("ax", given, left) if not np.array_equal(p, q))
         yield Case(kernel, given, ("a", "x"), of)
-    # subscripts around a slice are refused
-    # NumPy puts the axis of what they pick first: the elements would be others.
-    for kernel, refused in (
-            (picked_around_a_slice,
-             "S201 at `a[0, :, places]`: subscripts that pick elements on both sides of a slice: take the part "
-             "from the array itself, or write a loop\nS201 at `a[0, :, places]`: subscripts that pick elements "
-             "on both sides of a slice: take the part from the array itself, or write a loop"),
-            (mask_after_a_slice,
-             "S201 at `a[1, :, high]`: subscripts that pick elements on both sides of a slice: take the part "
-             "from the array itself, or write a loop")):
-        yield Case(kernel, (np.ones((3, 3, 3)), np.ones(3)), of=None, refused=refused)
     # sizes of blocks that do not run
     for k in (0, 2):
         # A work array leaves its block only in a size that is possible where the block does not run.

@@ -163,8 +163,34 @@ def _sections(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) 
     count = len(ends) + 1 if ends is not None else given.known if isinstance(given, Data) else None
     if type(count) is not int or not 0 < count <= _MOST_SECTIONS:
         return None
+    return _parts(ev, count, "sections", args, options, node, f)
+
+
+@function("numpy.meshgrid")
+def _grid(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
+    """A list of an array for each axis."""
+    args = [a if isinstance(a, Data) else library_call(ev, "numpy.array", [a], {}, node, f) for a in args]
+    sparse, way = options.get("sparse"), options.get("indexing", constant("xy"))
+    if isinstance(sparse, Data) and sparse.known is True and isinstance(way, Data) and way.known in ("xy", "ij"):
+        order = [*range(len(args))]
+        order[:2] = reversed(order[:2]) if way.known == "xy" else order[:2]
+        return ev.list_of([_along(ev, a, order[k], len(args), node, f) for k, a in enumerate(args)], node)
+    ev.called = "meshgrid"
+    return _parts(ev, len(args), "grid", args, options, node, f)
+
+
+def _along(ev: Evaluator, vector: Value, axis: int, rank: int, node: AST, f: Frame) -> Value:
+    """A copy of a vector along one of so many axes."""
+    sizes = TupleValue(tuple(constant(-1 if k == axis else 1) for k in range(rank)))
+    laid = library_call(ev, "numpy.reshape", [vector, sizes], {}, node, f)
+    return library_call(ev, "numpy.copy", [laid], {}, node, f)
+
+
+def _parts(ev: Evaluator, count: int, wanted: str, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    """A list of what a function gives that gives so many arrays."""
     called = tree.at(tree.name(ev.library(f"numpy.{ev.called}")), node)
-    whole = ev.named(ev.residual_call(called, args, options, node), "sections", node)
+    args, options = with_known_options(ev, f"numpy.{ev.called}", args, options, node)
+    whole = ev.named(ev.residual_call(called, args, options, node), wanted, node)
     return ev.list_of([ev.item_of(whole, constant(k), node, f) for k in range(count)], node)
 
 
