@@ -10,6 +10,7 @@ import numpy as np
 from s2sad.dispatch.arguments import kernel_value, bind, describe, make_zero
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.interface import batch_calls
+from s2sad.interface.comparison_backends import Backend, backend_of
 from s2sad.interface.recording_arguments import Checkpoint, recording_of
 from s2sad.interface.foreign_names import unexpected_keywords
 from s2sad.interface.pytrees import Carrier, flat_drivers as with_structures, flatten
@@ -20,7 +21,7 @@ from s2sad.interface.selection import RETURN, Wrt, names_of
 from s2sad.live_objects.unwrap import CalledDerivative, apply_functions
 from s2sad.run.memory import Memory
 from s2sad.run.tracebacks import public
-from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
+from s2sad.dispatch.cache import ProgramVersion, derivatives_of
 
 __all__ = ["gradient", "jvp", "make_zero", "value_and_gradient", "vjp"]
 
@@ -32,12 +33,14 @@ _INTEGERS = (int, np.integer)
 
 @public
 def gradient(f: Callable[P, Any], wrt: Wrt = None, checkpoint: Checkpoint = None, memory: Economy | None = None,
-             tape_dtype: TapeDtype | None = None, **unknown: NoReturn) -> Gradient[P]:
+             tape_dtype: TapeDtype | None = None, backend: Backend = "adjoint", **unknown: NoReturn) -> Gradient[P]:
     """A function of f's arguments that returns the gradient of the one float that f returns.
 
     Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or position of a parameter, or
     several (default: all that are floats by f's text: annotation, default, use); checkpoint, the loops that keep
-    snapshots in place of a tape, or a limit for the memory, memory and tape_dtype, as for `differentiate`. The result
+    snapshots in place of a tape, or a limit for the memory, memory and tape_dtype, as for `differentiate`; backend,
+    "adjoint", or another way to compare it with, which runs f once for each number: "tangent", "finite" (differences,
+    needs SciPy 1.15) or "complex" (the complex step, of a kernel that is analytic). The result
     is one array (of the argument's shape and dtype) or float for one of them, a dict by name for several; an integer
     that stands there for a float is one. Arguments are never changed, read-only arrays are fine, and nothing is changed
     when f raises. The gradient of a structure is one of the same make, what is no float as it was; names may mean
@@ -57,7 +60,7 @@ def gradient(f: Callable[P, Any], wrt: Wrt = None, checkpoint: Checkpoint = None
     """
     if unknown:
         raise unexpected_keywords("gradient", unknown)
-    return Gradient(f, wrt, checkpoint, memory, tape_dtype)
+    return Gradient(f, wrt, checkpoint, memory, tape_dtype, backend)
 
 
 @public
@@ -86,7 +89,8 @@ class _Driver(Decorated, CalledDerivative):
     _what = ""
 
     def __init__(self, f: Callable[..., Any], wrt: Wrt = None, checkpoint: Checkpoint = None,
-                 memory: Economy | None = None, tape_dtype: TapeDtype | None = None):
+                 memory: Economy | None = None, tape_dtype: TapeDtype | None = None, backend: Backend = "adjoint"):
+        self._backend, self._way = backend, backend_of(backend)
         self._derivatives, self.names = derivatives_of(f), names_of(wrt, f)
         self._carrier = carrier_of(f, checkpoint, memory, tape_dtype)
         self.__wrapped__ = f
@@ -95,7 +99,7 @@ class _Driver(Decorated, CalledDerivative):
         self.__doc__ = f"The {self._what} of '{name}'."
 
     def decorator_arguments(self) -> tuple[Any, ...]:
-        return self.__wrapped__, self.names, selection_of(self._carrier).recording
+        return self.__wrapped__, self.names, selection_of(self._carrier).recording, None, None, self._backend
 
     def __get__(self, instance: Any, owner: Any = None) -> Any:
         return self if instance is None else functools.partial(self, instance)
@@ -106,12 +110,31 @@ class _Driver(Decorated, CalledDerivative):
     @public
     def memory(self, *args: Any, **keywords: Any) -> Memory:
         """The memory that a call with these arguments takes, found before anything runs: see `Memory`."""
-        entry, args = _prepared(self.__wrapped__, self._carrier, self._derivatives, self.names, args, keywords)
+        entry, args = self._prepared(args, keywords)
         return entry.memory(args)
 
     def _value_and_gradient(self, args: tuple[Any, ...], keywords: dict[str, Any]) -> tuple[Any, Any]:
-        entry, args = _prepared(self.__wrapped__, self._carrier, self._derivatives, self.names, args, keywords)
+        entry, args = self._prepared(args, keywords)
         return entry.value_and_gradient(args)
+
+
+    def _prepared(self, args: tuple[Any, ...], keywords: dict[str, Any]
+                  ) -> tuple[ReverseCall | with_structures.FlatGradient, tuple[Any, ...]]:
+        """The prepared gradient for arguments of these types, and the arguments by position."""
+        f, carrier, names = self.__wrapped__, self._carrier, self.names
+        given, args, keywords = apply_functions(f, args, keywords)
+        state = (self._derivatives if given is f else derivatives_of(given)).state()
+        if keywords:
+            args = tuple(bind(state.kernel, args, keywords))
+        args = _with_floats(state, names if names is not None else selection_of(carrier).wrt, args)
+        flattened = flatten(state, args)
+        if flattened is not None:
+            return with_structures.FlatGradient(flattened, carrier, names, self._way), tuple(bind(state.kernel, args))
+        key = (self._way, names, describe(args), selection_of(carrier))
+        entry = state.entries.get(key)
+        if entry is None:
+            entry = state.entries[key] = self._way(state, carrier, args, (RETURN,), names, with_value=True)
+        return entry, args
 
 
 class Gradient(_Driver, Generic[P]):
@@ -130,25 +153,6 @@ class ValueAndGradient(_Driver, Generic[P, R]):
     @public
     def __call__(self, *args: P.args, **keywords: P.kwargs) -> tuple[R, Any]:
         return self._value_and_gradient(args, keywords)
-
-
-def _prepared(f: Any, carrier: Any, derivatives: DerivativeCache, names: tuple[str, ...] | None,
-              args: tuple[Any, ...], keywords: dict[str, Any]
-              ) -> tuple[ReverseCall | with_structures.FlatGradient, tuple[Any, ...]]:
-    """The prepared gradient for arguments of these types, and the arguments by position."""
-    given, args, keywords = apply_functions(f, args, keywords)
-    state = (derivatives if given is f else derivatives_of(given)).state()
-    if keywords:
-        args = tuple(bind(state.kernel, args, keywords))
-    args = _with_floats(state, names if names is not None else selection_of(carrier).wrt, args)
-    flattened = flatten(state, args)
-    if flattened is not None:
-        return with_structures.FlatGradient(flattened, carrier, names), tuple(bind(state.kernel, args))
-    key = ("gradient", names, describe(args), selection_of(carrier))
-    entry = state.entries.get(key)
-    if entry is None:
-        entry = state.entries[key] = ReverseCall(state, carrier, args, (RETURN,), names, with_value=True)
-    return entry, args
 
 
 def _with_floats(state: ProgramVersion, names: tuple[str, ...] | None, args: tuple[Any, ...]) -> tuple[Any, ...]:

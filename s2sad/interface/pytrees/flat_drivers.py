@@ -22,14 +22,15 @@ from s2sad.run.memory import Memory
 class FlatGradient:
     """A `gradient` of a function that takes structures."""
 
-    def __init__(self, flattened: Flattened, f: Any, names: Sequence[str] | None):
-        self.flattened, self.f, self.names = flattened, f, names
+    def __init__(self, flattened: Flattened, f: Any, names: Sequence[str] | None,
+                 way: type[ReverseCall] = ReverseCall):
+        self.flattened, self.f, self.names, self.way = flattened, f, names, way
 
     def value_and_gradient(self, args: Sequence[Any]) -> tuple[Any, Any]:
         """The value, and the gradients as `gradient` gives them."""
         flattened = self.flattened
         with flattened.user_paths():
-            paths, call, values = _reverse(flattened, self.f, args, (RETURN,), self.names, True)
+            paths, call, values = _reverse(flattened, self.f, args, (RETURN,), self.names, True, self.way)
             shadows, returned = call.run(values, {RETURN: 1.0})
             found = _by_argument(flattened, self.f, self.names, paths, call, args, call.gradients(shadows, returned))
         return returned[0], found[paths[0][0]] if self.is_single(paths) else found
@@ -37,7 +38,7 @@ class FlatGradient:
     def memory(self, args: Sequence[Any]) -> Memory:
         """What a call takes."""
         with self.flattened.user_paths():
-            _, call, values = _reverse(self.flattened, self.f, args, (RETURN,), self.names, True)
+            _, call, values = _reverse(self.flattened, self.f, args, (RETURN,), self.names, True, self.way)
             return call.memory(values)
 
     def is_single(self, paths: Sequence[Path]) -> bool:
@@ -87,17 +88,17 @@ def _seeds(flattened: Flattened, seeds: Mapping[str, Any], values: Mapping[str, 
 
 
 def _reverse(flattened: Flattened, f: Any, args: Sequence[Any], outputs: tuple[str, ...], names: Sequence[str] | None,
-             with_value: bool) -> tuple[list[Path], ReverseCall, list[Any]]:
+             with_value: bool, way: type[ReverseCall] = ReverseCall) -> tuple[list[Path], ReverseCall, list[Any]]:
     values = flattened.values(args)
     inputs, carrier = flattened.carrier(f)
     paths = flattened.selected_paths(names, "wrt") if names is not None or inputs is None else inputs
     if with_value and names is None and inputs is None:
         paths = [path for path in paths if path[0] in flattened.independents()] or paths
     wrt = flattened.flat_names(paths, "wrt") if paths else None
-    key = ("reverse", with_value, outputs, wrt, carrier.__s2sad_selection__, describe(values))
+    key = (way, with_value, outputs, wrt, carrier.__s2sad_selection__, describe(values))
     call = flattened.state.entries.get(key)
     if call is None:
-        call = ReverseCall(flattened.state, carrier, tuple(values), outputs, wrt, with_value)
+        call = way(flattened.state, carrier, tuple(values), outputs, wrt, with_value)
         flattened.state.entries[key] = call
         call.warns = False
     return paths, call, values
