@@ -1,6 +1,8 @@
 """Colours of columns: those of one colour share no row, so that one product tells all of them.
 
-Greedy partial distance-2 colouring: Gebremedhin, Manne and Pothen, What color is your Jacobian?, SIAM Review 47, 2005.
+Of a symmetric matrix an entry is told by its row or by its column: columns of one colour may share a row where each of
+its entries there stands alone on the other side. As a graph, edges between two colours are stars. Greedy partial
+distance-2 and star colouring: Gebremedhin, Manne and Pothen, What color is your Jacobian?, SIAM Review 47, 2005.
 """
 from __future__ import annotations
 
@@ -34,6 +36,15 @@ def colored(starts: np.ndarray, members: np.ndarray, others: np.ndarray, engine:
         return natural
     largest = fit(starts, members, others, np.argsort(-np.diff(starts), kind="stable"))
     return largest if count_of(largest) < count_of(natural) else natural
+
+
+def star_colored(starts: np.ndarray, indices: np.ndarray, twins: np.ndarray, engine: str) -> np.ndarray:
+    """The colours of the columns of a symmetric pattern, each entry of which stands at `twins` on the other side: those
+    of a star colouring in natural order or the largest first, or of columns that share no row; what needs fewest."""
+    fit, every = loops(engine).star_fit, np.arange(len(starts) - 1)
+    largest = np.argsort(-np.diff(starts), kind="stable")
+    return min((fit(starts, indices, twins, every), fit(starts, indices, twins, largest),
+                colored(starts, indices, starts, engine)), key=count_of)
 
 
 def starts_of(keys: np.ndarray, count: int) -> np.ndarray:

@@ -11,7 +11,7 @@ import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.extras import needed
-from s2sad.jacobians.coloring import colored, count_of, loops, starts_of
+from s2sad.jacobians.coloring import colored, count_of, loops, star_colored, starts_of
 from s2sad.jacobians.linear_maps import LinearMap, size
 from s2sad.report.picture import figure_class
 
@@ -34,7 +34,8 @@ class Batch:
 @dataclass(frozen=True, eq=False)
 class Plan:
     """How a sparse matrix is made: its pattern (CSR), the colours of its columns, or of its rows where it is made by
-    adjoints, for arguments of these shapes. It is never changed, so that threads share it.
+    adjoints, for arguments of these shapes. Of a symmetric one an entry may be taken from the other side. It is never
+    changed, so that threads share it.
 
     `colors` counts the products that a matrix takes; `save` and `load` keep it in a file (.npz), `picture` draws it.
     """
@@ -47,7 +48,12 @@ class Plan:
 
     @classmethod
     def of(cls, starts: np.ndarray, indices: np.ndarray, of: LinearMap, mode: str) -> Plan:
-        """The plan for the entries of a map, by rows: with "forward" or "reverse" products, or what takes fewer."""
+        """The plan for the entries of a map, by rows: with "forward" or "reverse" products, or what takes fewer; or
+        with those of a "symmetric" matrix."""
+        if mode == "symmetric":
+            starts, indices, twins = symmetrized(starts, indices)
+            return cls(of.taken, of.given, starts.astype(np.int32), indices.astype(np.int32),
+                       star_colored(starts, indices, twins, of.engine), mode)
         by_column, rows = loops(of.engine).turned(starts, indices, size(of.taken))
         columns = None if mode == "reverse" else colored(by_column, rows, starts, of.engine)
         chosen, forward = columns, True
@@ -75,11 +81,25 @@ class Plan:
     @property
     def _asked(self) -> np.ndarray:
         """The column of each entry, or its row where it is made by adjoints: what directions are of."""
-        return self.indices if self.mode == "forward" else self.rows
+        return self.rows if self.mode == "reverse" else self.indices
 
     @property
     def _answers(self) -> np.ndarray:
-        return self.rows if self.mode == "forward" else self.indices
+        return self.indices if self.mode == "reverse" else self.rows
+
+    @cached_property
+    def _told_by(self) -> Any:
+        """The entry that a product tells in place of each one: of a symmetric matrix that above the diagonal or that
+        below, whichever is alone in its row with the colour of its column."""
+        if self.mode != "symmetric":
+            return slice(None)
+        places = self.rows * max(self.colors, 1) + self.color_of[self.indices]
+        alone = np.bincount(places, minlength=1)[places] == 1
+        twins = symmetrized(self.indptr, self.indices)[2]
+        every = np.arange(len(twins))
+        above = np.where(self.rows <= self.indices, every, twins)
+        assert np.all(alone | alone[twins]), "no star colouring"
+        return np.where(alone[above], above, twins[above])
 
     @cached_property
     def _batches(self) -> dict[tuple[int, bool], list[Batch]]:
@@ -88,7 +108,8 @@ class Plan:
     def batches(self, width: int, check: bool) -> list[Batch]:
         """The directions of all colours, so many at once, and that of the check behind them."""
         if (width, check) not in self._batches:
-            colors, count = self.color_of[self._asked], -(-(self.colors + check) // width)
+            colors, count = self.color_of[self._asked[self._told_by]], -(-(self.colors + check) // width)
+            answers = self._answers[self._told_by]
             # no entry has to be picked where one batch has them all
             order = None if self.colors <= width else np.argsort(colors // width, kind="stable")
             ends, made = starts_of(colors // width, count), []
@@ -99,7 +120,7 @@ class Plan:
                 directions[members, self.color_of[members] - k * width] = 1.0
                 if check and k == count - 1:
                     directions[:, self.colors - k * width] = self._probe
-                places = self._answers[mine].astype(np.intp) * width + (colors[mine] - k * width)
+                places = answers[mine].astype(np.intp) * width + (colors[mine] - k * width)
                 made.append(Batch(directions, mine, places))
             self._batches[width, check] = made
         return self._batches[width, check]
@@ -185,3 +206,16 @@ class Plan:
     def __repr__(self) -> str:
         height, width = self.shape
         return f"<plan of a {height} x {width} matrix: {len(self.indices)} entries, {self.colors} {self.mode} products>"
+
+
+def symmetrized(starts: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The pattern of a matrix and its transpose (CSR), and where each entry stands on the other side.
+
+    >>> symmetrized(np.array([0, 2, 2]), np.array([0, 1]))
+    (array([0, 2, 3]), array([0, 1, 0]), array([0, 2, 1]))
+    """
+    count = len(starts) - 1
+    rows, columns = np.repeat(np.arange(count), np.diff(starts)), indices.astype(np.int64)
+    keys = np.unique(np.concatenate([rows * count + columns, columns * count + rows]))
+    rows, columns = np.divmod(keys, max(count, 1))
+    return starts_of(rows, count), columns, np.lexsort((rows, columns))

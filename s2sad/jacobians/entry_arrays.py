@@ -3,6 +3,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from s2sad.jacobians import entry_loops
+
 
 def turned(starts: np.ndarray, members: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """The lists by member.
@@ -33,6 +35,15 @@ def first_fit(starts: np.ndarray, members: np.ndarray, room: np.ndarray, order: 
             taken[row] |= free
         colors[column] = free.bit_length() - 1
     return colors
+
+
+def star_fit(starts: np.ndarray, members: np.ndarray, twins: np.ndarray, order: np.ndarray) -> np.ndarray:
+    """A colour for each vertex, so that edges of two colours are stars.
+
+    >>> star_fit(np.array([0, 1, 3, 5, 6]), np.array([1, 0, 2, 1, 3, 2]), np.array([1, 0, 3, 2, 5, 4]), np.arange(4))
+    array([0, 1, 0, 2])
+    """
+    return entry_loops.star_fit(starts.tolist(), members.tolist(), twins.tolist(), order.tolist())
 
 
 def parted(starts: np.ndarray, members: np.ndarray, lanes: np.ndarray, parts: np.ndarray, told: np.ndarray

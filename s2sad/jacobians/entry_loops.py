@@ -44,6 +44,58 @@ def first_fit(starts, members, room, order):
     return colors
 
 
+def star_fit(starts, members, twins, order):
+    """A colour for each vertex of a graph, taken in this order, so that neighbours differ and no path of four vertices
+    has two colours: edges of two colours are stars. `members` are the neighbours of each, `twins` where the same edge
+    stands among those of the other end. Gebremedhin, Tarafdar, Manne and Pothen, New acyclic and star coloring
+    algorithms, SIAM J. Sci. Comput. 29, 2007, algorithm 4.1."""
+    vertices = len(starts) - 1
+    colors, treated = np.full(vertices, -1), np.full(vertices, -1)
+    near, seen, first = np.full(vertices + 1, -1), np.full(vertices + 1, -1), np.full(vertices + 1, -1)
+    star, hub, stars = np.full(len(members), -1), np.full(len(members), -1), 0
+    for v in order:
+        for e in range(starts[v], starts[v + 1]):
+            w = members[e]
+            if w == v or colors[w] < 0:
+                continue
+            c = colors[w]
+            near[c] = v
+            if seen[c] == v:        # two neighbours of one colour: none of theirs may have the colour of v
+                for root in (members[first[c]], w):
+                    if treated[root] != v:
+                        treated[root] = v
+                        for g in range(starts[root], starts[root + 1]):
+                            if members[g] != root and colors[members[g]] >= 0:
+                                near[colors[members[g]]] = v
+                continue
+            seen[c], first[c] = v, e
+            for g in range(starts[w], starts[w + 1]):
+                x = members[g]
+                if x != v and x != w and colors[x] >= 0 and hub[star[min(g, twins[g])]] == x:
+                    near[colors[x]] = v
+        color = 0
+        while near[color] == v:
+            color += 1
+        colors[v] = color
+        for e in range(starts[v], starts[v + 1]):
+            w, edge, joined = members[e], min(e, twins[e]), -1
+            if w == v or colors[w] < 0:
+                continue
+            for g in range(starts[w], starts[w + 1]):
+                if members[g] != v and colors[members[g]] == color:
+                    joined = star[min(g, twins[g])]
+                    hub[joined] = w
+                    break
+            if joined < 0 and first[colors[w]] != e:
+                joined = star[min(first[colors[w]], twins[first[colors[w]]])]
+                hub[joined] = v
+            if joined < 0:
+                joined = stars
+                stars += 1
+            star[edge] = joined
+    return colors
+
+
 def parted(starts, members, lanes, parts, told):
     """The lists in parts, of which list k has `parts[k]`: in part p of it are those of its members where `told` has
     True at `lanes[k] + p`."""

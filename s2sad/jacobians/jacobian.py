@@ -10,6 +10,7 @@ from s2sad.dispatch.arguments import bind, describe
 from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
 from s2sad.interface.selection import RETURN, ReturnedValues, Wrt, names_of, selected_of
 from s2sad.interface.value_calls import selection_of
+from s2sad.jacobians.compression_plan import Plan
 from s2sad.jacobians.direction_arrays import Memory
 from s2sad.jacobians.jacobian_map import JacobianMap, PreparedJacobian
 from s2sad.jacobians.matrix_drivers import MatrixDriver, Mode, only_one, real, values_of
@@ -59,7 +60,12 @@ class Jacobian(MatrixDriver):
 
     def __init__(self, f: Any, wrt: Wrt = None, of: Wrt = None, mode: Mode = "auto", sparse: Any = False,
                  format: str = "csr", check: bool = True, batch: int | Literal["auto"] = "auto"):
+        if mode not in ("auto", "forward", "reverse"):
+            raise S2sadError(Diagnostic("S405", f"there is no mode {mode!r}", help='"auto", "forward" or "reverse"'))
         super().__init__(f, mode, sparse, format, check)
+        if isinstance(sparse, Plan) and sparse.mode == "symmetric":
+            raise S2sadError(Diagnostic("S405", "the plan is for a symmetric matrix",
+                                        help="make one for this Jacobian: J.plan(*args)"))
         if batch != "auto" and (isinstance(batch, bool) or not isinstance(batch, int) or batch < 1):
             raise S2sadError(Diagnostic("S405", f"there is no batch of {batch!r} directions",
                                         help='"auto", or how many at once: 1, 2, ...'))

@@ -21,6 +21,7 @@ from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.tracebacks import public
 
 Mode = Literal["auto", "forward", "reverse"]
+PlanMode = Mode | Literal["symmetric"]
 FORMATS = ("csr", "csc", "coo")
 
 
@@ -32,9 +33,7 @@ class MatrixDriver(Decorated):
     """
     _what = ""
 
-    def __init__(self, f: Any, mode: Mode, sparse: Any, format: str, check: bool):
-        if mode not in ("auto", "forward", "reverse"):
-            raise S2sadError(Diagnostic("S405", f"there is no mode {mode!r}", help='"auto", "forward" or "reverse"'))
+    def __init__(self, f: Any, mode: PlanMode, sparse: Any, format: str, check: bool):
         if format not in FORMATS:
             raise S2sadError(Diagnostic("S405", f"there is no format {format!r}", help='"csr", "csc" or "coo"'))
         self.__wrapped__, self._mode, self._sparse, self._format, self._check = f, mode, sparse, format, check

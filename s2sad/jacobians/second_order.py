@@ -146,7 +146,8 @@ def hessian(f: Callable[..., Any], wrt: Wrt = None, *, sparse: Any = False, form
     """A function of f's arguments that returns the Hessian of the one float that f returns.
 
     Args: wrt, a name or position of a parameter (default: the only float); sparse, format and check as for `jacobian`.
-    A dense Hessian has the shape of the argument twice, a sparse one two axes. Arguments are never changed.
+    A dense Hessian has the shape of the argument twice, a sparse one two axes, and the same on both sides of the
+    diagonal: a star colouring says which product tells an entry. Arguments are never changed.
     Raises S2sadError as `hvp` and `jacobian` do. Literature as for these.
 
     >>> import numpy as np
@@ -168,7 +169,7 @@ class Hessian(MatrixDriver):
     _what = "Hessian"
 
     def __init__(self, f: Any, wrt: Wrt = None, sparse: Any = False, format: str = "csr", check: bool = True):
-        super().__init__(f, "forward", sparse, format, check)
+        super().__init__(f, "symmetric", sparse, format, check)
         self._wrt = names_of(wrt, f)
 
     def decorator_arguments(self) -> tuple[Any, ...]:

@@ -23,9 +23,10 @@ ENGINES = pytest.mark.parametrize("engine", ["numpy", "loops"])
 def columns(f, args, wrt, of):
     """The Jacobian from the derivatives for one direction each."""
     value = args[list(inspect.signature(f).parameters).index(wrt)]
-    units = np.eye(np.size(value), dtype=getattr(value, "dtype", float)).reshape(-1, *np.shape(value))
-    along = [s2sad.jvp(f, args, {wrt: u if u.ndim else u.item()}, of=of)[of] for u in units]
-    return np.stack(along, axis=-1).reshape(np.shape(along[0]) + np.shape(value))
+    units = np.eye(np.size(value), dtype=getattr(value, "dtype", float)).reshape(np.size(value), *np.shape(value))
+    # behind them one of zeros, which has the shape where there is none
+    along = [s2sad.jvp(f, args, {wrt: u if u.ndim else u.item()}, of=of)[of] for u in (*units, 0.0 * np.array(value))]
+    return np.stack(along, axis=-1)[..., :-1].reshape(np.shape(along[0]) + np.shape(value))
 
 
 def compared(f, args, wrt, of, batches=(1, 3, 16, "auto"), modes=("forward", "reverse")):

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from s2sad.jacobians.coloring import colored, loops
-from s2sad.jacobians.compression_plan import Plan
+from s2sad.jacobians.coloring import colored, count_of, loops, star_colored
+from s2sad.jacobians.compression_plan import Plan, symmetrized
 from s2sad.jacobians.linear_maps import dense
 from s2sad.jacobians.sparsity import pattern_of
 
@@ -100,3 +100,68 @@ def test_loops_are_what_arrays_are(pattern, data):
                 lambda f: f.parted(starts, columns, lanes, parts, told)):
         for ours, theirs in zip(ask(plain), ask(compiled)):
             np.testing.assert_array_equal(ours, theirs)
+
+
+# -- symmetric matrices -----------------------------------------------------------------------------------------------
+
+SYMMETRIC = st.integers(0, 9).flatmap(lambda n: arrays(bool, (n, n))).map(lambda a: a | a.T)
+
+
+def is_star_coloring(pattern, colors):
+    """Whether neighbours differ, and no path of four has two colours: by all paths."""
+    near = [set(np.flatnonzero(row).tolist()) - {k} for k, row in enumerate(pattern)]
+    paths = [(a, b, c, d) for b, around in enumerate(near) for c in around for a in near[b] - {c} for d in near[c] - {b}
+             if a != d]
+    return all(colors[a] != colors[b] for a, around in enumerate(near) for b in around) and all(
+        len({*colors[[*path]]}) > 2 for path in paths)
+
+
+@given(SYMMETRIC, st.data())
+@settings(max_examples=100, deadline=None)
+def test_star_colorings(pattern, data):
+    starts, indices, twins = symmetrized(*pattern_of(Matrix(pattern)))
+    order = np.array(data.draw(st.permutations(range(len(pattern)))), int)
+    ours, theirs = (loops(engine).star_fit(starts, indices, twins, order) for engine in ("numpy", "numba"))
+    np.testing.assert_array_equal(ours, theirs)
+    assert is_star_coloring(pattern, ours)
+    best = star_colored(starts, indices, twins, "numpy")
+    for row, column in np.argwhere(pattern):        # an entry is alone with its colour, in its row or on the other side
+        assert (best[pattern[row]] == best[column]).sum() == 1 or (best[pattern[column]] == best[row]).sum() == 1
+    assert count_of(best) <= count_of(colored(starts, indices, starts, "numpy"))
+
+
+@pytest.mark.parametrize("check", [True, False])
+@given(SYMMETRIC, WIDTHS)
+@settings(max_examples=60, deadline=None)
+def test_entries_of_either_side(check, pattern, width):
+    of = Matrix(pattern, width)
+    plan = Plan.of(*pattern_of(of), of, "symmetric")
+    entries, theirs = plan.entries(of, check)
+    assert not check or plan.agrees(of, entries, theirs)
+    np.testing.assert_array_equal(plan.matrix(entries).toarray(), 0.5 * pattern)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@given(SYMMETRIC.filter(np.any), WIDTHS, st.data())
+@settings(max_examples=40, deadline=None)
+def test_entries_of_either_side_that_lack_are_seen(engine, pattern, width, data):
+    rows, columns = np.nonzero(pattern)
+    lacking = data.draw(st.integers(0, len(rows) - 1))
+    smaller = pattern.copy()
+    smaller[rows[lacking], columns[lacking]] = smaller[columns[lacking], rows[lacking]] = False
+    plan = Plan.of(*pattern_of(Matrix(smaller)), Matrix(smaller), "symmetric")
+    of = Matrix(pattern, width, engine)
+    entries, theirs = plan.entries(of, True)
+    assert not plan.agrees(of, entries, theirs)
+
+
+@pytest.mark.parametrize(("pattern", "stars", "columns"), [
+    (np.eye(30, dtype=bool) | (np.arange(30) == 0) | (np.arange(30) == 0)[:, None], 2, 30),       # an arrow
+    (np.eye(30, dtype=bool) | (np.arange(30) == 29) | (np.arange(30) == 29)[:, None], 2, 30),
+    (np.tri(30, k=1, dtype=bool) & ~np.tri(30, k=-2, dtype=bool), 3, 3),                          # three diagonals
+    (np.tri(3, k=1, dtype=bool) & ~np.tri(3, k=-2, dtype=bool), 2, 3),
+    (np.eye(30, dtype=bool), 1, 1), (np.ones((6, 6), bool), 6, 6), (np.zeros((6, 6), bool), 1, 1)])
+def test_a_symmetric_matrix_takes_fewer_products(pattern, stars, columns):
+    of = Matrix(pattern)
+    plans = [Plan.of(*pattern_of(of), of, mode) for mode in ("symmetric", "forward")]
+    assert [plan.colors for plan in plans] == [stars, columns]

@@ -12,7 +12,7 @@ import s2sad
 from s2sad.run.module_loader import load
 from tests import corpus
 from tests.corpus.recording import rounded_values
-from tests.harness.engines import running
+from tests.harness.engines import one_line, running
 from tests.jacobians import kernels
 
 X = np.array([0.4, 1.7, 1.3, 0.2, 2.1, 0.9])
@@ -69,6 +69,43 @@ def test_a_chain_has_a_band_for_a_hessian():
         np.linspace(0.0, 3.0, 40), 0.5)
     assert len(plan.indices) == 40 + 2 * 39
     assert plan.colors == 3
+
+
+def hub(x):
+    """All with the first one: an arrow."""
+    total = x[0] ** 2
+    for i in range(1, x.size):
+        total += np.sin(x[i] * x[0]) + x[i] ** 3
+    return total
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
+def test_an_arrow_takes_two_products(engine):
+    x = np.linspace(0.2, 1.4, 20)
+    with running(engine) as run_under:
+        f = s2sad.differentiate(hub, engine=run_under)
+        dense, sparse = s2sad.hessian(f)(x), s2sad.hessian(f, sparse=True)
+        plan, made = sparse.plan(x), sparse(x)
+        assert repr(plan) == "<plan of a 20 x 20 matrix: 58 entries, 2 symmetric products>"
+        np.testing.assert_allclose(made.toarray(), dense, rtol=1e-14, atol=1e-14)
+        np.testing.assert_array_equal(made.toarray(), made.toarray().T)
+        upper = np.triu(np.ones((20, 20))) * (dense != 0.0)     # of a user's pattern one side will do
+        np.testing.assert_array_equal(s2sad.hessian(f, sparse=upper)(x).toarray(), made.toarray())
+
+
+def test_plans_of_symmetric_matrices(tmp_path):
+    x = np.linspace(0.2, 1.4, 20)
+    plan = s2sad.hessian(hub, sparse=True).plan(x)
+    plan.save(tmp_path / "plan.npz")
+    again = s2sad.hessian(hub, sparse=s2sad.Plan.load(tmp_path / "plan.npz"))
+    np.testing.assert_allclose(again(x).toarray(), s2sad.hessian(hub)(x), rtol=1e-14, atol=1e-14)
+    plan.picture(tmp_path / "plan.svg")
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.jacobian(kernels.fields, sparse=plan)
+    assert one_line(caught.value) == "the plan is for a symmetric matrix: make one for this Jacobian: J.plan(*args)"
+    with pytest.raises(s2sad.S2sadError, match="S403.*the pattern of the Hessian of 'hub' lacks entries"):
+        s2sad.hessian(hub, sparse=np.eye(20))(x)
+    assert s2sad.hessian(kernels.energy, "x", sparse=True)(np.zeros(0), 0.5).shape == (0, 0)
 
 
 def numbers():
