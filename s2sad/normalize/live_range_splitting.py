@@ -8,8 +8,8 @@ for the other.
 
 Requires structured form; establishes one type for each name. A binding and all uses that it reaches are one live range;
 the first one keeps the name. What is bound to several types in one live range is left for `infer` to refuse, but for
-numbers that become arrays in a loop (`control/peel_first_iteration.py`) and for arrays of float32 and of float64, which
-are of float64.
+numbers that become arrays in a loop (`control/peel_first_iteration.py`), for arrays of float32 and of float64, which
+are of float64, and for what a branch binds to one type on each side (`control/types_by_branch.py`).
 """
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from s2sad.infer.call_types import CallTypes
 from s2sad.naming import Names
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.control.peel_first_iteration import peel_first_iteration
+from s2sad.normalize.control.types_by_branch import MOST, types_by_branch
 from s2sad.tree import (
     AST, Assign, AugAssign, Break, Continue, For, FunctionDef, If, Name, Raise, Return, Store, While, rebuild, walk,
 )
@@ -41,14 +42,20 @@ def live_range_splitting(function: FunctionDef, context: NormalContext) -> Funct
 def split_live_ranges(function: FunctionDef, types: Mapping[str, Type], call_types: CallTypes, report: Report,
                       constants: Mapping[str, object], free: Names) -> tuple[FunctionDef, Mapping[str, Type]]:
     """The function with those names, and the types of them all."""
-    wider = begun = False
+    wider, begun, duplicated = False, False, 0
+    refused = None      # as it was before statements were duplicated
     while True:
         said, conflicting = Report(report.source), set[str]()
         table = inference(function, types, call_types, said, constants, conflicting, wider)
         new = LiveRanges(function, conflicting).split(free) if conflicting else None
         if new is None and conflicting and not begun:
             new, begun = peel_first_iteration(function, conflicting, free), True
+        if new is None and conflicting and wider and duplicated <= MOST and (
+                apart := types_by_branch(function, conflicting, free)) is not None:
+            refused = refused or (function, table, said)
+            new, duplicated = apart[0], duplicated + apart[1]
         if new is None and (wider or not conflicting):
+            function, table, said = refused if refused and conflicting else (function, table, said)
             report.found += said.found
             return function, table
         wider = wider or new is None

@@ -37,7 +37,7 @@ def too_few_functions(x, a):
 @pytest.mark.parametrize(("kernel", "said"), [
     (compared, "polynomials that are compared"), (series_of_several, "coefficients with several axes"),
     (windows_of_two_axes, "windows of several axes"), (windows_of_one_of_two_axes, "a length for each axis"),
-    (lines_of_three_axes, "is bound to float64 and to float64"),
+    (lines_of_three_axes, "arrays of more than two axes"),
     (too_few_functions, "as many functions as conditions, or one more")], ids=lambda v: getattr(v, "__name__", ""))
 def test_what_they_do_not_know(kernel, said, engine):
     with pytest.raises((S2sadError, NotImplementedError, ValueError), match=said):
