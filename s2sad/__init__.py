@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from s2sad.bridges.casadi_functions import casadi as casadi
     from s2sad.bridges.jax_functions import jax as jax
     from s2sad.bridges.torch_functions import torch as torch
+    from s2sad.interface.batched_inputs import Batched as Batched, batched as batched
     from s2sad.interface.differentiate import (
         Differentiated as Differentiated, autodiff as autodiff, differentiate as differentiate,
     )
@@ -48,6 +49,7 @@ _HOMES = {
     "bridges.torch_functions": ("torch",),
     "interface.activities": ("Active", "BatchDuplicated", "Const", "Duplicated", "DuplicatedNoNeed", "Forward",
                              "ForwardWithPrimal", "Reverse", "ReverseWithPrimal"),
+    "interface.batched_inputs": ("Batched", "batched"),
     "interface.differentiate": ("Differentiated", "autodiff", "differentiate"),
     "diagnostics": ("S2sadError", "S2sadWarning"),
     "custom.user_rules": ("nondifferentiable", "rule"),
@@ -67,11 +69,12 @@ _HOMES = {
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [
-    "Active", "BatchDuplicated", "Bench", "Checked", "Const", "Differentiated", "Duplicated", "DuplicatedNoNeed",
-    "Explanation", "Forward", "ForwardWithPrimal", "Hessian", "Jacobian", "Memory", "Ode", "Plan", "Reverse",
-    "ReverseWithPrimal", "S2sadError", "S2sadWarning", "Snapshots", "Tape", "autodiff", "bench", "casadi", "check",
-    "clear", "differentiate", "explain", "grad", "gradient", "hessian", "hvp", "jacobian", "jax", "jvp", "make_zero",
-    "nondifferentiable", "ode", "rule", "timesteps", "torch", "value_and_grad", "value_and_gradient", "vjp",
+    "Active", "BatchDuplicated", "Batched", "Bench", "Checked", "Const", "Differentiated", "Duplicated",
+    "DuplicatedNoNeed", "Explanation", "Forward", "ForwardWithPrimal", "Hessian", "Jacobian", "Memory", "Ode", "Plan",
+    "Reverse", "ReverseWithPrimal", "S2sadError", "S2sadWarning", "Snapshots", "Tape", "autodiff", "batched", "bench",
+    "casadi", "check", "clear", "differentiate", "explain", "grad", "gradient", "hessian", "hvp", "jacobian", "jax",
+    "jvp", "make_zero", "nondifferentiable", "ode", "rule", "timesteps", "torch", "value_and_grad",
+    "value_and_gradient", "vjp",
 ]
 
 

@@ -113,6 +113,15 @@ class _Driver(Decorated, CalledDerivative):
         entry, args = self._prepared(args, keywords)
         return entry.memory(args)
 
+    def zeros(self, *args: Any) -> Any:
+        """What a call with arguments of these types and shapes gives, of zeros; nothing is run."""
+        entry, args = self._prepared(args, {})
+        return self._chosen(0.0, entry.zeros(args))
+
+    def _chosen(self, value: Any, found: Any) -> Any:
+        """What is given of the value and the gradient."""
+        raise NotImplementedError
+
     def _value_and_gradient(self, args: tuple[Any, ...], keywords: dict[str, Any]) -> tuple[Any, Any]:
         entry, args = self._prepared(args, keywords)
         return entry.value_and_gradient(args)
@@ -145,6 +154,9 @@ class Gradient(_Driver, Generic[P]):
     def __call__(self, *args: P.args, **keywords: P.kwargs) -> Any:
         return self._value_and_gradient(args, keywords)[1]
 
+    def _chosen(self, value: Any, found: Any) -> Any:
+        return found
+
 
 class ValueAndGradient(_Driver, Generic[P, R]):
     """f's float and its gradient, as a function of f's arguments; see `value_and_gradient`."""
@@ -153,6 +165,9 @@ class ValueAndGradient(_Driver, Generic[P, R]):
     @public
     def __call__(self, *args: P.args, **keywords: P.kwargs) -> tuple[R, Any]:
         return self._value_and_gradient(args, keywords)
+
+    def _chosen(self, value: Any, found: Any) -> Any:
+        return value, found
 
 
 def _with_floats(state: ProgramVersion, names: tuple[str, ...] | None, args: tuple[Any, ...]) -> tuple[Any, ...]:

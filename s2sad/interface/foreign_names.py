@@ -11,7 +11,7 @@ _FUNCTIONS = {
     **dict.fromkeys(("hessian_vector_product", "vhp"), 'write s2sad.hvp(f, args, {"x": v})'),
     **dict.fromkeys(("jit", "njit", "compile"), "there is nothing to do: derivatives are compiled where Numba is "
                     "installed"),
-    **dict.fromkeys(("vmap", "pmap", "batch"), "write a loop in the kernel, or over the calls"),
+    **dict.fromkeys(("vmap", "pmap", "batch"), 'write s2sad.batched(f, over="x")'),
     **dict.fromkeys(("stop_gradient", "detach", "no_grad"), "write s2sad.nondifferentiable(f), or leave it out of wrt"),
     **dict.fromkeys(("custom_vjp", "custom_jvp", "custom_gradient", "defvjp", "primitive", "register"),
                     "write s2sad.rule: partials, an adjoint, a tangent, or a residual"),

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from s2sad.dispatch.arguments import kernel_value, bind, coercion, misfit
+from s2sad.dispatch.arguments import kernel_value, bind, coercion, make_zero, misfit
 from s2sad.diagnostics import Diagnostic, S2sadError, warn
 from s2sad.dispatch.executable import Executable
 from s2sad.dispatch.memory_reuse import CallCopies, InThreads
@@ -203,6 +203,12 @@ class ReverseCall(PreparedCall):
         shadows, returned = self.run(args, _ONE)
         found = self.gradients(shadows, returned)
         return returned[0], found[self.wrt[0]] if self.is_single else found
+
+    def zeros(self, args: Sequence[Any]) -> Any:
+        """Gradients of zeros, of the make of a call's."""
+        values = dict(zip(self.names, self.values_of(args)))
+        found = {n: make_zero(values[n]) for n in self.wrt}
+        return found[self.wrt[0]] if self.is_single else found
 
     def _result_seeds(self, seed: Any) -> dict[int, Any]:
         """The seeds of the results, by position."""

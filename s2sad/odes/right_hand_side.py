@@ -21,7 +21,7 @@ from s2sad.interface.pytrees import flat_call
 from s2sad.interface.selection import RETURN
 from s2sad.interface.value_calls import selection_of
 from s2sad.jacobians.jacobian import Jacobian
-from s2sad.live_objects.unwrap import python_function
+from s2sad.live_objects.unwrap import apply_functions, python_function
 from s2sad.naming import Names
 from s2sad.run.module_loader import load
 from s2sad.run.tracebacks import public
@@ -142,7 +142,8 @@ class Ode(Decorated):
         """Raises where the kernel does not write what should be its rate."""
         if self.rate is None:
             return
-        state, flat, _ = flat_call(derivatives_of(self.kernel).state(), self.kernel, values)
+        f, args, _ = apply_functions(self.kernel, values, {})
+        state, flat, _ = flat_call(derivatives_of(f).state(), f, args)
         if self.rate not in state.summary(state.types(flat)).written:
             raise S2sadError(Diagnostic(
                 "S401", f"'{self._title}' does not write '{self.rate}', which should be the rate of '{self.state}'",

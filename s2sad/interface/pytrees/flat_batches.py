@@ -15,7 +15,7 @@ def directions_of(given: Mapping[str, Any]) -> tuple[int, list[dict[str, Any]]]:
     (S403) where names have not as many."""
     counts: dict[str, int] = {}
     for name, value in given.items():
-        _changed(value, lambda leaf, name=name: _count(counts, name, leaf))
+        changed_floats(value, lambda leaf, name=name: _count(counts, name, leaf))
     found = sorted(set(counts.values()))
     if not found:
         raise misfit("no directions were given", 'give a dict by name: {"x": an array of shape (k, ...)}')
@@ -23,7 +23,7 @@ def directions_of(given: Mapping[str, Any]) -> tuple[int, list[dict[str, Any]]]:
         first, other = list(counts)[0], next(n for n in counts if counts[n] != next(iter(counts.values())))
         raise misfit(f"'{first}' has {counts[first]} directions, '{other}' has {counts[other]}",
                      "give all of them as many")
-    return found[0], [{n: _changed(v, lambda leaf, k=k: _one(leaf, k)) for n, v in given.items()}
+    return found[0], [{n: changed_floats(v, lambda leaf, k=k: _one(leaf, k)) for n, v in given.items()}
                       for k in range(max(found[0], 1))]
 
 
@@ -38,12 +38,12 @@ def _one(leaf: np.ndarray, k: int) -> Any:
     return found if found.ndim else found.item()
 
 
-def _changed(value: Any, change: Callable[[np.ndarray], Any]) -> Any:
+def changed_floats(value: Any, change: Callable[[np.ndarray], Any]) -> Any:
     """A structure with something in place of its arrays of floats."""
     if isinstance(value, np.ndarray):
         return change(value) if value.ndim and value.dtype.kind in "fc" else value
     form = form_of(value, "")
-    return map_leaves(form, value, "", lambda _, kind, leaf: _changed(leaf, change) if isinstance(
+    return map_leaves(form, value, "", lambda _, kind, leaf: changed_floats(leaf, change) if isinstance(
         leaf, np.ndarray) else leaf) if isinstance(form, PyTree) else value
 
 
@@ -73,7 +73,7 @@ def _at(value: Any, k: int) -> Any:
 def together(each: Sequence[Mapping[str, Any]], count: int) -> dict[str, Any]:
     """Structures for each direction as structures whose floats have one more axis, of so many."""
     made = {name: _together([e[name] for e in each]) for name in each[0]}
-    return made if count else {name: _changed(value, lambda leaf: leaf[:0]) for name, value in made.items()}
+    return made if count else {name: changed_floats(value, lambda leaf: leaf[:0]) for name, value in made.items()}
 
 
 def _together(values: Sequence[Any]) -> Any:

@@ -35,6 +35,16 @@ class FlatGradient:
             found = _by_argument(flattened, self.f, self.names, paths, call, args, call.gradients(shadows, returned))
         return returned[0], found[paths[0][0]] if self.is_single(paths) else found
 
+    def zeros(self, args: Sequence[Any]) -> Any:
+        """Gradients of zeros, of the make of a call's."""
+        flattened = self.flattened
+        with flattened.user_paths():
+            paths, call, values = _reverse(flattened, self.f, args, (RETURN,), self.names, True, self.way)
+            by_name = dict(zip(call.names, values))
+            found = _by_argument(flattened, self.f, self.names, paths, call, args,
+                                 {n: make_zero(by_name[n]) for n in call.wrt})
+        return found[paths[0][0]] if self.is_single(paths) else found
+
     def memory(self, args: Sequence[Any]) -> Memory:
         """What a call takes."""
         with self.flattened.user_paths():
