@@ -1,20 +1,18 @@
 """Jacobians: of one output with respect to one argument, dense or sparse."""
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import cached_property
+from collections.abc import Callable
 from typing import Any, Literal
 
 from s2sad.diagnostics import Diagnostic, S2sadError
-from s2sad.dispatch.arguments import bind, describe
-from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
+from s2sad.dispatch.arguments import describe
+from s2sad.dispatch.cache import ProgramVersion
 from s2sad.interface.selection import RETURN, ReturnedValues, Wrt, names_of, selected_of
 from s2sad.interface.value_calls import selection_of
 from s2sad.jacobians.compression_plan import Plan
 from s2sad.jacobians.direction_arrays import Memory
 from s2sad.jacobians.jacobian_map import JacobianMap, PreparedJacobian
-from s2sad.jacobians.matrix_drivers import MatrixDriver, Mode, only_one, real, values_of
-from s2sad.live_objects.unwrap import apply_functions
+from s2sad.jacobians.matrix_drivers import FlatCall, MatrixDriver, Mode, only_one, real
 from s2sad.run.tracebacks import public
 
 
@@ -30,9 +28,9 @@ def jacobian(f: Callable[..., Any], wrt: Wrt = None, of: Wrt = None, *, mode: Mo
     whether each sparse matrix is compared with the derivative for one more direction; batch, how many directions one
     call of the derivative takes, or "auto": 8, 12 or 16, by how many there are. A dense Jacobian has the shape of the
     output and then that of the argument; a sparse one has two axes, the elements of both in C order. Arguments are
-    never changed. Its `plan(*args)` is the pattern with its colours.
+    never changed; of structures wrt and of name a part, "state.u". Its `plan(*args)` is the pattern with its colours.
     Raises S2sadError: S401 (wrt or of names nothing that has one, or several), S403 (a pattern that is too small), S405
-    (structures, a plan for other shapes, no SciPy, a batch that is none); and what f raises. Literature: Gebremedhin,
+    (a plan for other shapes, no SciPy, a batch that is none); and what f raises. Literature: Gebremedhin,
     Manne and Pothen, What color is your Jacobian?, SIAM Review 47, 2005.
 
     >>> import numpy as np
@@ -76,27 +74,18 @@ class Jacobian(MatrixDriver):
         return (self.__wrapped__, self._wrt, self._of, self._mode, self._sparse, self._format, self._check,
                 self._batch)
 
-    def linear_map(self, args: Sequence[Any], keywords: dict[str, Any]) -> JacobianMap:
-        f = self.__wrapped__
-        given, args, keywords = apply_functions(f, args, keywords)
-        state = (self._derivatives if given is f else derivatives_of(given)).state()
-        if keywords or len(args) != len(state.parameters):
-            args = tuple(bind(state.kernel, args, keywords))
-        key = ("jacobian", self._wrt, self._of, describe(args), selection_of(f))
-        found = state.entries.get(key)
+    def linear_map(self, call: FlatCall) -> JacobianMap:
+        key = ("jacobian", self._wrt, self._of, describe(call.args), selection_of(call.carrier))
+        found = call.state.entries.get(key)
         if found is None:
-            found = state.entries[key] = self._prepared(state, args)
-        return JacobianMap(found, args, self._batch if isinstance(self._batch, int) else None, self._memories)
+            found = call.state.entries[key] = self._prepared(call)
+        return JacobianMap(found, call.args, self._batch if isinstance(self._batch, int) else None, self._memories)
 
-    @cached_property
-    def _derivatives(self) -> DerivativeCache:
-        return derivatives_of(self.__wrapped__)
-
-    def _prepared(self, state: ProgramVersion, args: Sequence[Any]) -> PreparedJacobian:
-        f, types = self.__wrapped__, state.types(values_of(state, args))
-        wrt = only_one(state, types, self._wrt if self._wrt is not None else selection_of(f).wrt)
-        of = _only_output(state, types, self._of if self._of is not None else selection_of(f).of)
-        made = PreparedJacobian(state, f, args, wrt, of)
+    def _prepared(self, call: FlatCall) -> PreparedJacobian:
+        state, types = call.state, call.state.types(call.values())
+        wrt = call.whole(only_one(state, types, call.wrt(self._wrt)))
+        of = call.whole(_only_output(state, types, call.outputs(self._of)))
+        made = PreparedJacobian(state, call.carrier, call.args, wrt, of)
         real(state.kernel.name, f"'{wrt}'", dict(zip(state.parameters, types))[wrt])
         return made
 

@@ -3,16 +3,20 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.dispatch.arguments import bind, kernel_value
-from s2sad.dispatch.cache import ProgramVersion, derivatives_of
+from s2sad.dispatch.cache import DerivativeCache, ProgramVersion, derivatives_of
 from s2sad.infer.types import Type
 from s2sad.interface.pickling import Decorated
-from s2sad.interface.pytrees import flatten
+from s2sad.interface.pytrees import Flattened, flatten
+from s2sad.interface.value_calls import selection_of
 from s2sad.jacobians.coloring import starts_of
 from s2sad.jacobians.compression_plan import Plan, scipy_sparse
 from s2sad.jacobians.linear_maps import LinearMap, dense, size
@@ -47,17 +51,25 @@ class MatrixDriver(Decorated):
         return f"<{self._what} of {getattr(self.__wrapped__, '__name__', 'f')}>"
 
     @abstractmethod
-    def linear_map(self, args: Sequence[Any], keywords: dict[str, Any]) -> LinearMap:
+    def linear_map(self, call: FlatCall) -> LinearMap:
         """The linear map at these arguments."""
+
+    @cached_property
+    def _derivatives(self) -> DerivativeCache:
+        return derivatives_of(self.__wrapped__)
 
     @public
     def plan(self, *args: Any, **keywords: Any) -> Plan:
         """The plan of the sparse matrix for arguments of these shapes: see `Plan`."""
-        return self._plan(self.linear_map(args, keywords))
+        call = FlatCall.of(self.__wrapped__, args, keywords, self._derivatives)
+        with call.user_paths():
+            return self._plan(self.linear_map(call))
 
     @public
     def __call__(self, *args: Any, **keywords: Any) -> Any:
-        return self._matrix(self.linear_map(args, keywords))
+        call = FlatCall.of(self.__wrapped__, args, keywords, self._derivatives)
+        with call.user_paths():
+            return self._matrix(self.linear_map(call))
 
     def _matrix(self, of: LinearMap) -> Any:
         if self._sparse is False:
@@ -98,20 +110,66 @@ class MatrixDriver(Decorated):
         return starts_of(found[0], pattern.shape[0]), found[1]
 
 
-def version_and_values(f: Any, args: Sequence[Any], keywords: dict[str, Any]) -> tuple[ProgramVersion, list[Any]]:
-    """The program, and its arguments by position; structures are refused."""
-    given, args, keywords = apply_functions(f, tuple(args), keywords)
-    state = derivatives_of(given).state()
-    return state, values_of(state, bind(state.kernel, args, keywords))
+@dataclass(frozen=True)
+class FlatCall:
+    """A call of f: the program and its arguments by position, of arrays and numbers, and what f carries; `structures`
+    leads back to the caller's where some were."""
+    state: ProgramVersion
+    args: Sequence[Any]
+    carrier: Any
+    structures: Flattened | None
+    given: Sequence[Any]
 
+    @classmethod
+    def of(cls, f: Any, args: Sequence[Any], keywords: dict[str, Any], derivatives: DerivativeCache | None = None
+           ) -> FlatCall:
+        given, args, keywords = apply_functions(f, tuple(args), keywords)
+        state = (derivatives if derivatives is not None and given is f else derivatives_of(given)).state()
+        if keywords or len(args) != len(state.parameters):
+            args = tuple(bind(state.kernel, args, keywords))
+        found = flatten(state, args)
+        if found is None:
+            return cls(state, args, f, None, args)
+        with found.user_paths():
+            return cls(found.state, found.values(args), found.carrier(f)[1], found, args)
 
-def values_of(state: ProgramVersion, args: Sequence[Any]) -> list[Any]:
-    """All arguments as the kernel takes them; structures are refused."""
-    if flatten(state, args) is not None:
-        raise S2sadError(Diagnostic("S405", f"'{state.kernel.name}' was given a structure", help="matrices are of "
-                                    "functions of arrays and numbers: write one that takes the part that is meant, and "
-                                    "makes the structure"))
-    return [kernel_value(n, v, n in state.floats) for n, v in zip(state.parameters, args)]
+    def values(self) -> list[Any]:
+        """The arguments as the kernel takes them."""
+        return [kernel_value(n, v, n in self.state.floats) for n, v in zip(self.state.parameters, self.args)]
+
+    def user_paths(self) -> AbstractContextManager[None]:
+        """Errors name the caller's paths."""
+        return nullcontext() if self.structures is None else self.structures.user_paths()
+
+    def wrt(self, names: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        """What names mean, each of them a float: an argument, or a part of one by its path."""
+        structures = self.structures
+        if names is None and selection_of(self.carrier).wrt is not None:
+            return selection_of(self.carrier).wrt
+        if structures is None:
+            return names
+        asked = structures.selected_paths(structures.independents() if names is None else names, "wrt")
+        found = structures.flat_names(asked, "wrt")
+        if len(found) > max(1, len(names or ())):
+            said = f"wrt names '{names[0]}', which holds" if names else f"'{structures.title}' was given"
+            parts = [structures.paths[n] for n in found]
+            raise S2sadError(Diagnostic("S401", f"{said} {len(found)} floats: {', '.join(parts)}",
+                                        help=f'a matrix is with respect to one: wrt="{parts[0]}"'))
+        return found
+
+    def outputs(self, names: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        """What names of outputs mean."""
+        if names is None:
+            return selection_of(self.carrier).of
+        return names if self.structures is None else self.structures.outputs(names)
+
+    def whole(self, name: str) -> str:
+        """The name of an array or a number, which must not be a field that the kernel assigns."""
+        if self.structures is not None and name in self.structures.cells:
+            raise S2sadError(Diagnostic("S401", f"'{self.structures.paths[name]}' is a number that "
+                                        f"'{self.structures.title}' assigns, which has no matrix",
+                                        help="write a function that takes it as an argument, or returns it"))
+        return name
 
 
 def only_one(state: ProgramVersion, types: Sequence[Type], names: tuple[str, ...] | None) -> str:

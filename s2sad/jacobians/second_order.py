@@ -17,9 +17,10 @@ from s2sad.dispatch.arguments import misfit
 from s2sad.dispatch.cache import ProgramVersion, derivatives_of, private_copy
 from s2sad.dispatch.deferred import compiler
 from s2sad.interface.pytrees import Carrier
+from s2sad.interface.pytrees.flat_drivers import flat_tangents
 from s2sad.interface.selection import RETURN, Wrt, names_of, selected_wrt, uncopied
 from s2sad.interface.value_calls import ForwardCall, ReverseCall, selection_of
-from s2sad.jacobians.matrix_drivers import MatrixDriver, only_one, real, version_and_values
+from s2sad.jacobians.matrix_drivers import FlatCall, MatrixDriver, only_one, real
 from s2sad.program import Request
 from s2sad.run.compiled import chosen
 from s2sad.run.module_loader import load
@@ -32,10 +33,11 @@ def hvp(f: Callable[..., Any], args: Sequence[Any], directions: Mapping[str, Any
 
     Args: args, all of f's positional arguments; directions, by argument name, a float for a float, an array of the same
     shape and dtype for an array (or of integers, for float64); wrt, the arguments whose gradients these are (default:
-    those of the directions). The result is an array or float for one of them, a dict by name for several. Arguments
-    are never changed.
+    those of the directions). Names may mean parts of structures, "p.k", or whole ones, whose directions and results are
+    of the same make. The result is an array or float for one of them, a dict by name for several. Arguments are never
+    changed.
     Raises S2sadError: S401 (f does not return one float; a name that is none of a float), S403 (a direction that does
-    not fit), S405 (structures); and what f raises. Adjoint of the tangent: Griewank and Walther, Evaluating
+    not fit); and what f raises. Adjoint of the tangent: Griewank and Walther, Evaluating
     Derivatives, SIAM 2008, chapter 5.
 
     >>> import numpy as np
@@ -47,13 +49,29 @@ def hvp(f: Callable[..., Any], args: Sequence[Any], directions: Mapping[str, Any
     >>> hvp(cubes, (np.array([1.0, 2.0]),), {"u": np.array([1.0, 1.0])})
     array([ 6., 12.])
     """
-    state, values = version_and_values(f, args, {})
     if not isinstance(directions, Mapping) or not directions:
         raise misfit("directions holds none", 'give a dict by argument name: {"x": v}')
-    asked = names_of(wrt, f) or tuple(directions)
-    call = _second(state, f, values, tuple(directions), asked)
-    found = call(values, {name: _as_floats(along) for name, along in directions.items()})
+    call, asked = FlatCall.of(f, args, {}), names_of(wrt, f) or tuple(directions)
+    with call.user_paths():
+        made = _of_structures if call.structures is not None else _of_arguments
+        found = made(call, {name: _as_floats(along) for name, along in directions.items()}, asked)
     return found[asked[0]] if len(asked) == 1 else {name: found[name] for name in asked}
+
+
+def _of_arguments(call: FlatCall, directions: Mapping[str, Any], asked: tuple[str, ...]) -> dict[str, Any]:
+    values = call.values()
+    return _second(call.state, call.carrier, values, tuple(directions), asked)(values, directions)
+
+
+def _of_structures(call: FlatCall, directions: Mapping[str, Any], asked: tuple[str, ...]) -> dict[str, Any]:
+    """The same where arguments are structures: names are parts of them, and what is found has their make."""
+    structures, values = call.structures, call.values()
+    assert structures is not None
+    flat = flat_tangents(structures, directions, values, "directions")
+    paths = structures.selected_paths(asked, "wrt")
+    wrt = structures.flat_names(paths, "wrt")
+    found = _second(call.state, call.carrier, values, tuple(flat), wrt)(values, flat)
+    return {path[0]: structures.with_floats(path, call.given, found) for path in paths}
 
 
 def _as_floats(direction: Any) -> Any:
@@ -175,9 +193,8 @@ class Hessian(MatrixDriver):
     def decorator_arguments(self) -> tuple[Any, ...]:
         return self.__wrapped__, self._wrt, self._sparse, self._format, self._check
 
-    def linear_map(self, args: Sequence[Any], keywords: dict[str, Any]) -> HessianMap:
-        state, values = version_and_values(self.__wrapped__, args, keywords)
-        wrt = only_one(state, state.types(values), self._wrt if self._wrt is not None else selection_of(
-            self.__wrapped__).wrt)
-        call = _second(state, self.__wrapped__, values, (wrt,), (wrt,))
-        return HessianMap(call, values, wrt, state.parameters.index(wrt))
+    def linear_map(self, call: FlatCall) -> HessianMap:
+        state, values = call.state, call.values()
+        wrt = call.whole(only_one(state, state.types(values), call.wrt(self._wrt)))
+        second = _second(state, call.carrier, values, (wrt,), (wrt,))
+        return HessianMap(second, values, wrt, state.parameters.index(wrt))

@@ -12,6 +12,7 @@ import s2sad
 from benchmarks.kernels.cases import CASES
 from s2sad.interface.value_calls import PreparedCall
 from tests import corpus
+from s2sad.jacobians.matrix_drivers import FlatCall
 from tests.harness.engines import one_line, running
 from tests.jacobians import kernels
 
@@ -124,7 +125,7 @@ def test_what_batches_do_one_by_one(kernel, args, wrt, of, recording, modes, eng
         f = s2sad.differentiate(kernel, engine=under, **recording)
         for mode in modes:
             J = s2sad.jacobian(f, wrt, of, mode=mode)
-            assert J.linear_map(args, {}).width(9, mode == "reverse") == 1
+            assert J.linear_map(FlatCall.of(J.__wrapped__, args, {})).width(9, mode == "reverse") == 1
         compared(f, args, wrt, of, batches=(3, "auto"), modes=modes)
 
 

@@ -57,8 +57,10 @@ def test_rates_are_the_kernel_s():
 
 
 def test_what_is_beside_the_state_may_be_a_structure():
-    rates = s2sad.ode(kernels.in_a_model)(0.0, Y, {"k": 2.0, "source": np.ones(6)})
-    np.testing.assert_allclose(rates, 1.0 - 2.0 * Y ** 2, rtol=1e-15)
+    fun, model = s2sad.ode(kernels.in_a_model), {"k": 2.0, "source": np.ones(6)}
+    np.testing.assert_allclose(fun(0.0, Y, model), 1.0 - 2.0 * Y ** 2, rtol=1e-15)
+    np.testing.assert_allclose(fun.jac(0.0, Y, model), -4.0 * np.diag(Y), rtol=1e-15)
+    assert s2sad.ode(kernels.in_a_model, sparse=True).jac(0.0, Y, model).nnz == 6
 
 
 def test_what_y_may_be():

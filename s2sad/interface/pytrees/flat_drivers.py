@@ -130,7 +130,7 @@ def jvp(flattened: Flattened, f: Any, args: Sequence[Any], tangents: Mapping[str
     with flattened.user_paths():
         values = flattened.values(args)
         count, given = directions_of(tangents) if batch else (1, [tangents])
-        each = [_flat_tangents(flattened, one, values) for one in given]
+        each = [flat_tangents(flattened, one, values) for one in given]
         flat = stacked(each) if batch else each[0]
         _, carrier = flattened.carrier(f)
         outputs = flattened.outputs(of)
@@ -147,14 +147,15 @@ def jvp(flattened: Flattened, f: Any, args: Sequence[Any], tangents: Mapping[str
         return _tangents(flattened, args, outputs, call.jvp(values, flat), flat)
 
 
-def _flat_tangents(flattened: Flattened, tangents: Mapping[str, Any], values: Sequence[Any]) -> dict[str, Any]:
-    """The tangents of the parts of structures, by flat names."""
+def flat_tangents(flattened: Flattened, tangents: Mapping[str, Any], values: Sequence[Any], what: str = "tangents"
+                  ) -> dict[str, Any]:
+    """The tangents of the parts of structures, by flat names; `what` they are called."""
     by_name = dict(zip(flattened.paths, values))
     flat: dict[str, Any] = {}
     for name, value in tangents.items():
-        path = flattened._selected_path(name, "tangents")
-        own = flattened.flat_parts(path, value, "tangent", by_name)
-        flat |= own or {flattened.flat_names([path], "tangents")[0]: value}
+        path = flattened._selected_path(name, what)
+        own = flattened.flat_parts(path, value, what.removesuffix("s"), by_name)
+        flat |= own or {flattened.flat_names([path], what)[0]: value}
     return flat
 
 
