@@ -89,24 +89,25 @@ def _is_held(ev: Evaluator, choice: Choice) -> bool:
 
 def _put(ev: Evaluator, choice: Choice, value: Value) -> None:
     """All slots that hold a choice hold one of its alternatives."""
-    value = _bound(ev, value)
+    value = bound_throughout(ev, value)
     for n, held in [(n, held) for n, held in ev.heap.objects.items() if held.has_choices]:
         new = {k: made for k, v in held.items.items() if (made := _with(v, choice, value)) is not None}
         if new:
             ev.heap.objects[n] = replace(held, items={**held.items, **new})
 
 
-def _bound(ev: Evaluator, value: Value) -> Value:
+def bound_throughout(ev: Evaluator, value: Value) -> Value:
     """A value that is there, and so is all that is in it."""
     if isinstance(value, Data):
         return replace(value, may_be_unbound=False)
     if isinstance(value, Choice):
-        return replace(value, number=_bound(ev, value.number))
+        return replace(value, number=bound_throughout(ev, value.number))
     if isinstance(value, TupleValue):
-        return replace(value, items=tuple(_bound(ev, v) for v in value.items))
+        return replace(value, items=tuple(bound_throughout(ev, v) for v in value.items))
     if isinstance(value, Reference) and any(
             isinstance(v, Choice) or isinstance(v, Data) and v.may_be_unbound for v in ev.heap[value].items.values()):
-        items = {k: _bound(ev, v) if isinstance(v, (Choice, Data)) else v for k, v in ev.heap[value].items.items()}
+        items = {k: bound_throughout(ev, v) if isinstance(v, (Choice, Data)) else v
+                 for k, v in ev.heap[value].items.items()}
         ev.heap.objects[value.number] = replace(ev.heap[value], items=items)
     return value
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.control.branches import Objects
-from s2sad.evaluate.specialize.displays import bound
+from s2sad.evaluate.specialize.control.decisions import bound_throughout
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unbound, Unevaluated
@@ -163,7 +163,7 @@ def _go_on(ev: Evaluator, loop: ResidualLoop, values: Mapping[Any, Value], origi
         flag, value = items["left", mark], values.get(("value", mark))
 
         def going(mark: int = mark, value: Value | None = value) -> None:
-            ev.leave(origin, mark, None if value is None else bound(value))
+            ev.leave(origin, mark, None if value is None else bound_throughout(ev, value))
         assert isinstance(flag, Data)
         if flag.known is True:
             going()
@@ -181,7 +181,7 @@ class _Late:
 def _bound_on_exits(ev: Evaluator, loop: ResidualLoop, ways: Sequence[Way], head: Objects, origin: AST, f: Frame
                     ) -> _Late:
     """What only some ends of a round bind, and the function reads behind the loop."""
-    join = Join(ev, ways, origin)
+    join = Join(ev, ways, origin, begun=loop.birth)
     late: dict[int, dict[Any, Value]] = {}
     for number in (*frames_around(ev, f), loop.left.number):
         if number not in head:

@@ -20,7 +20,7 @@ from s2sad.evaluate.specialize.values import (
     UNKNOWN, Choice, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike, renamed,
 )
 from s2sad.evaluate.specialize.control.choice_joins import (
-    Alternative, are_functions, chosen_value, decided_again, is_chosen, maybe_unbound,
+    Alternative, alternatives, are_functions, chosen_value, decided_again, is_chosen, maybe_unbound,
 )
 from s2sad.evaluate.specialize.control.joined_names import Merged, Objects, Way, settled_names
 from s2sad.evaluate.specialize.sparse.matrix_values import KINDS
@@ -31,8 +31,9 @@ class Join:
     """Several ways become one; `block` of each gets the moves to common names."""
 
     def __init__(self, ev: Evaluator, ways: Sequence[Way], origin: AST, demands: frozenset[Fact] = frozenset(),
-                 since: int = 0, decided: Choice | None = None):
+                 since: int = 0, decided: Choice | None = None, begun: int = -1):
         self.since = since              # when the ways parted
+        self.begun = begun              # names as old as this are bound on all ways
         self.ev, self.ways, self.origin = ev, ways, origin
         self.decided = decided          # a choice of which each way has some alternatives
         self.merged: list[Merged] | None = None     # while names are not settled
@@ -96,6 +97,8 @@ class Join:
     def bound_on(self, there: Sequence[tuple[Way, Value]], wanted: str, tests: Sequence[AST | None] = ()) -> Value:
         """The value for those of some ways, which the others do not have; `tests` say where a way has it."""
         one = there[0][1]
+        if self.begun >= 0 and all(alike(one, v) and self._is_on_all(v) for _, v in there):
+            return one
         inner = [_inner(w.objects, v) for w, v in there]
         if inner[0] is not None and all(i is not None and i[0] == inner[0][0] for i in inner):
             items = {k: self.bound_on([(w, i[1][k]) for (w, _), i in zip(there, inner) if i], f"{wanted}_{k}", tests)
@@ -110,7 +113,8 @@ class Join:
         data = [(w, v) for w, v in there if isinstance(v, Data)]
         if len(data) < len(there) or any(v.is_known and not isinstance(v.known, (int, float)) for _, v in data):
             several = any(not alike(one, v) for _, v in there[1:])
-            if several and wanted in self.ev.choices:
+            if several and wanted in self.ev.choices and len(
+                    alternatives(self.ev.heap, [(w.objects, v) for w, v in there])[0]) > 1:
                 return self._choice(there, wanted)
             return Conflict(f"'{wanted}' is bound on one way only", choice=wanted if several else "")
         name = data[0][1].name
@@ -118,6 +122,14 @@ class Join:
             return replace(data[0][1], known=UNKNOWN, may_be_unbound=True)
         found = self._one_name(data, wanted, tests)
         return replace(found, may_be_unbound=True) if isinstance(found, Data) else found
+
+    def _is_on_all(self, value: Value) -> bool:
+        """Whether a value was there before the ways parted."""
+        if isinstance(value, Data):
+            return not value.may_be_unbound and bool(value.name) and self.ev.born.get(value.name, 0) <= self.begun
+        if isinstance(value, Reference):
+            return all(value.number in w.objects for w in self.ways)
+        return isinstance(value, TupleValue) and all(map(self._is_on_all, value.items))
 
     def _one_name(self, data: Sequence[tuple[Way, Data]], wanted: str, tests: Sequence[AST | None] = ()
                   ) -> Data | Conflict:
@@ -212,7 +224,7 @@ class Join:
             return self.made[key]
         held = [w.objects.get(v.number) for w, v in zip(self.ways, values)]
         objects = [h for h in held if h is not None]
-        alone = all(self.ev.heap.holders(v, w.objects) == 1 for w, v in zip(self.ways, values))
+        alone = all(self.ev.heap.holders(v, w.objects) <= 1 for w, v in zip(self.ways, values))     # none of a result's
         one = objects[0]
         alike_made = len(objects) == len(values) and all(
             (h.kind, h.made, tuple(h.items)) == (one.kind, one.made, tuple(one.items)) for h in objects)
