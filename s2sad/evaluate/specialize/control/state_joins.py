@@ -16,8 +16,9 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object, Temporary, uses
+from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.values import (
-    UNKNOWN, Choice, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike, renamed,
+    UNKNOWN, Choice, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike, parts, renamed,
 )
 from s2sad.evaluate.specialize.control.choice_joins import (
     Alternative, alternatives, are_functions, chosen_value, decided_again, is_chosen, maybe_unbound,
@@ -40,6 +41,7 @@ class Join:
         self.demands = demands          # what would tell the way
         self.made: dict[tuple[Reference, ...], Reference] = {}
         self.found: Objects = {}
+        self.parted: dict[int, Unevaluated] = {}    # queues of another length on each way
 
     def objects(self) -> Objects:
         """The common heap; names that differ are bound on all ways."""
@@ -55,7 +57,11 @@ class Join:
                     self.found[n] = replace(held[0], items={
                         k: self._on_some(v) for k, v in held[0].items.items()})
                 continue
+            if _is_parted(held):
+                self.parted[n] = self._of_lengths(held[0])
+                continue
             self.found[n] = self._object(held)
+        self._refuse_parted()
         names = settled_names(self.ev, self.ways, self.merged, self.since, self.origin)
         self.merged = None
         for n, held in self.found.items():
@@ -66,10 +72,33 @@ class Join:
     def _object(self, held: Sequence[Object]) -> Object:
         one = held[0]
         if one.kind in ("list", "set") and any(len(h.items) != len(one.items) for h in held):
-            raise self.ev.unknown(self.origin, f"'{one.label or 'a list'}' has another length on each way",
-                                  help="append to it on both, or on none", site=one.site)
+            raise self._of_lengths(one)
         keys = dict.fromkeys(k for h in held for k in h.items)
         return replace(one, items={k: self.told(self._slot(one, k, [h.items.get(k) for h in held])) for k in keys})
+
+    def _of_lengths(self, held: Object) -> Unevaluated:
+        return self.ev.unknown(self.origin, f"'{held.label or 'a list'}' has another length on each way",
+                               help="append to it on both, or on none", site=held.site)
+
+    def _refuse_parted(self) -> None:
+        """A queue of another length on each way is not to be asked for, where only names and objects of the kernel's
+        own hold it."""
+        for n, held in list(self.found.items()) if self.parted else ():
+            if self.parted.keys().isdisjoint(held.occurrences):
+                continue
+            items = dict(held.items)
+            for key in (k for k, v in held.items.items() if self._holds_parted(v)):
+                if held.path or held.live is not None or isinstance(key, Temporary) or str(key).startswith("."):
+                    raise next(iter(self.parted.values()))
+                items[key] = self._in_parts(held.name_of(key))
+            self.found[n] = replace(held, items=items)
+
+    def _in_parts(self, wanted: str) -> Conflict:
+        return Conflict(f"'{wanted}' has another length on each way", help="append to it on both, or on none")
+
+    def _holds_parted(self, value: Value) -> bool:
+        return isinstance(value, Reference) and value.number in self.parted or any(
+            map(self._holds_parted, parts(value)))
 
     def _on_some(self, value: Value) -> Value:
         """A value that some ways do not have; names that were bound before are there on all."""
@@ -157,6 +186,8 @@ class Join:
     def meet(self, values: Sequence[Value], wanted: str) -> Value:
         """One value for those of all ways."""
         one = values[0]
+        if self.parted and any(map(self._holds_parted, values)):
+            return self._in_parts(wanted)
         if any(isinstance(v, Reference) and v.number not in w.objects for w, v in zip(self.ways, values)):
             return Conflict(f"'{wanted}' is made on one way only")
         if all(alike(one, v) for v in values[1:]):
@@ -237,6 +268,13 @@ class Join:
         items = {k: self.meet([h.items[k] for h in objects], f"{wanted}_{k}") for k in one.items}
         self.found[made.number] = replace(one, items=items, label=wanted)
         return made
+
+
+def _is_parted(held: Sequence[Object]) -> bool:
+    """Whether a queue of the kernel's own, which is no list of the residual program, has another length on each way."""
+    one = held[0]
+    return one.kind == "list" and one.site is None and not one.path and one.live is None and any(
+        len(h.items) != len(one.items) for h in held)
 
 
 def _inner(objects: Objects, value: Value) -> tuple[Any, dict[Any, Value]] | None:
