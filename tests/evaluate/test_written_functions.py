@@ -42,3 +42,19 @@ def too_few_functions(x, a):
 def test_what_they_do_not_know(kernel, said, engine):
     with pytest.raises((S2sadError, NotImplementedError, ValueError), match=said):
         gradient(differentiate(kernel, engine=engine), wrt="x")(X.copy(), A.copy())
+
+
+def polynomial_of_several(x, a):
+    whole = 2.0 * x
+    return np.sum(np.polyadd(whole, np.outer(x, x)))
+
+
+@pytest.mark.parametrize(("kernel", "place"), [
+    (too_few_functions, "np.piecewise(x, [x < 0.0, x > 0.5, x > 0.7], [lambda v: v ** 2])"),
+    (polynomial_of_several, "np.polyadd(whole, np.outer(x, x))")], ids=lambda v: getattr(v, "__name__", ""))
+def test_what_they_do_not_know_is_refused_where_they_are_called(kernel, place):
+    with pytest.raises(S2sadError) as refused:
+        gradient(kernel, wrt="x")(X.copy(), A.copy())
+    [span] = {d.span for d in refused.value.diagnostics}
+    assert span.source.path == __file__
+    assert span.source.line(span.line)[span.column:span.end_column] == place

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy
 
+from s2sad.diagnostics import Diagnostic, S2sadError, Span
 from s2sad.evaluate import library_functions
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function, library_call
+from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.values import Data, TupleValue, Value, constant
 from s2sad.evaluate.specialize.sequences.known_shapes import shape
 from s2sad.read.outside_values import library_value
-from s2sad.tree import AST
+from s2sad.tree import AST, placed, walk
 
 _ROOMS = [f"numpy.polynomial.{room}" for room in ("legendre", "chebyshev", "hermite", "hermite_e", "laguerre")]
 _MOST_POINTS = 64       # of a quadrature, which are written out
@@ -25,7 +28,32 @@ def written_function(ev: Evaluator, path: str, args: Sequence[Value], keywords: 
                      ) -> Value | None:
     """What a function gives that is written in Python; None for any other one."""
     made = library_functions.WRITTEN.get(path) or _by_arguments(path, args, keywords)
-    return None if made is None else ev.call(ev.outside_value(made.__name__, made, node, f), args, keywords, node, f)
+    if made is None:
+        return None
+    start = len(ev.block)
+    try:
+        found = ev.call(ev.outside_value(made.__name__, made, node, f), args, keywords, node, f)
+    except Unevaluated as reason:
+        reason.error = _of_the_call(ev, reason.error, node)
+        raise
+    except S2sadError as error:
+        raise _of_the_call(ev, error, node) from None
+    for made_here in (*ev.block[start:], *([found.node] if isinstance(found, Data) else ())):
+        for n in walk(made_here):
+            if getattr(n, "lineno", None) and ev.source.home(n.lineno)[0].path == library_functions.__file__:
+                placed(n, node)
+    return found
+
+
+def _of_the_call(ev: Evaluator, error: S2sadError, node: AST) -> S2sadError:
+    """What is refused in a function that stands for NumPy's, at its call; beside it what is raised there."""
+    def moved(said: Diagnostic) -> Diagnostic:
+        span = said.span
+        if span is None or span.source.path != library_functions.__file__:
+            return said
+        line = span.source.line(span.line).strip()
+        return replace(said, span=Span.of(ev.source, node), note=said.note or line * line.startswith("raise "))
+    return type(error)(*map(moved, error.diagnostics)) if getattr(node, "lineno", None) else error
 
 
 def _by_arguments(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> Callable[..., Any] | None:
