@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from s2sad.jacobians.compression_plan import Plan as Plan
     from s2sad.jacobians.jacobian import Jacobian as Jacobian, jacobian as jacobian
     from s2sad.jacobians.second_order import Hessian as Hessian, hessian as hessian, hvp as hvp
+    from s2sad.odes.loss_gradients import OdeGradient as OdeGradient, ode_gradient as ode_gradient
     from s2sad.odes.right_hand_side import Ode as Ode, ode as ode
     from s2sad.interface.tapes import Tape as Tape, clear as clear
     from s2sad.program import Snapshots as Snapshots
@@ -63,6 +64,7 @@ _HOMES = {
     "jacobians.jacobian": ("Jacobian", "jacobian"),
     "jacobians.second_order": ("Hessian", "hessian", "hvp"),
     "interface.tapes": ("Tape", "clear"),
+    "odes.loss_gradients": ("OdeGradient", "ode_gradient"),
     "odes.right_hand_side": ("Ode", "ode"),
     "program": ("Snapshots",),
     "interface.drivers": ("gradient", "jvp", "make_zero", "value_and_gradient", "vjp"),
@@ -70,11 +72,11 @@ _HOMES = {
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [
     "Active", "BatchDuplicated", "Batched", "Bench", "Checked", "Const", "Differentiated", "Duplicated",
-    "DuplicatedNoNeed", "Explanation", "Forward", "ForwardWithPrimal", "Hessian", "Jacobian", "Memory", "Ode", "Plan",
-    "Reverse", "ReverseWithPrimal", "S2sadError", "S2sadWarning", "Snapshots", "Tape", "autodiff", "batched", "bench",
-    "casadi", "check", "clear", "differentiate", "explain", "grad", "gradient", "hessian", "hvp", "jacobian", "jax",
-    "jvp", "make_zero", "nondifferentiable", "ode", "rule", "timesteps", "torch", "value_and_grad",
-    "value_and_gradient", "vjp",
+    "DuplicatedNoNeed", "Explanation", "Forward", "ForwardWithPrimal", "Hessian", "Jacobian", "Memory", "Ode",
+    "OdeGradient", "Plan", "Reverse", "ReverseWithPrimal", "S2sadError", "S2sadWarning", "Snapshots", "Tape",
+    "autodiff", "batched", "bench", "casadi", "check", "clear", "differentiate", "explain", "grad", "gradient",
+    "hessian", "hvp", "jacobian", "jax", "jvp", "make_zero", "nondifferentiable", "ode", "ode_gradient", "rule",
+    "timesteps", "torch", "value_and_grad", "value_and_gradient", "vjp",
 ]
 
 

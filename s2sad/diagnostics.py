@@ -42,6 +42,7 @@ CODES = {
     "S411": "a derivative for one direction at a time",
     # S5: while the kernel runs
     "S501": "values that do not fit each other, as sizes of arrays",
+    "S502": "an integration that fails",
     # S9: ourselves
     "S901": "internal error",
 }

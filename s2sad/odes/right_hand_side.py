@@ -69,6 +69,7 @@ class Ode(Decorated):
         self.rate, self.state, self.time = _roles(self._title, self.parameters, rate, state, time)
         self.others = tuple(n for n in self.parameters if n not in (self.rate, self.state, self.time))
         self.shape = None if shape is None else _checked(shape)
+        self.jac_options = sparse, check
         self._known: set[tuple[Any, ...]] = set()
         self.__name__ = self.__qualname__ = f"ode_of_{self._title}"
         self.__module__ = getattr(f, "__module__", __name__)
@@ -111,7 +112,7 @@ class Ode(Decorated):
     def jacobian(self, wrt: str) -> Jacobian:
         """The Jacobian of the rate with respect to a parameter of f, as a function of f's arguments."""
         if wrt not in self._jacobians:
-            sparse, check = self._given[-2:] if wrt == self.state else (False, True)
+            sparse, check = self.jac_options if wrt == self.state else (False, True)
             self._jacobians[wrt] = Jacobian(self.kernel, wrt, self.rate or RETURN, sparse=sparse, check=check)
         return self._jacobians[wrt]
 

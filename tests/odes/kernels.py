@@ -57,3 +57,29 @@ def turned(t, u):
 def by_name(clock, pace, x, amount):
     for i in range(x.size):
         pace[i] = amount * np.cos(clock) * x[i]
+
+
+# -- losses, of the states at all times -------------------------------------------------------------------------------
+
+def misfit(us):
+    total = 0.0
+    for k in range(us.shape[0]):
+        total += us[k, 0] ** 2 + np.sin(us[k, 1])
+    return total
+
+
+def of_a_plane(us):
+    return np.sum(us[-1] ** 2) + us[1, 0, 1] * us[2, 1, 2]
+
+
+def forced(t, u, rate, amount):
+    """Driven, and with a number and an array among its arguments."""
+    return -rate * u ** 2 + amount * np.sin(2.0 * t)
+
+
+def explodes(t, u, k):
+    return k * u ** 2
+
+
+def roots(t, u, k):
+    return -k * np.sqrt(u)
