@@ -18,7 +18,6 @@ import s2sad
 from benchmarks.peers.sections import Chapter, Picture, Section
 from benchmarks.snapshots import KERNELS, given, gradient
 from benchmarks.tables import Table, seconds
-from s2sad.run.memory.step_counts import runs_of_steps
 
 STEPS, COUNTS, ROUNDS = 1000, (2, 5, 20, 100), 7
 QUICK_STEPS, QUICK_COUNTS, QUICK_ROUNDS = 60, (2, 60), 3
@@ -33,9 +32,9 @@ def measure(quick: bool) -> dict[str, Any]:
     kernels: dict[str, Any] = {}
     for name, (kernel, loop, wrt) in KERNELS.items():
         arguments = given(name, steps)
-        recorded = s2sad.differentiate(kernel, engine="numba")
-        curve = [_point(s2sad.differentiate(kernel, engine="numba", checkpoint={loop: count}), wrt, arguments, rounds,
-                        count) for count in counts]
+        made = partial(s2sad.differentiate, kernel, engine="numba", wrt=wrt)
+        recorded = made()
+        curve = [_point(made(checkpoint={loop: count}), wrt, arguments, rounds, count) for count in counts]
         kernels[name] = {"recorded": _point(recorded, wrt, arguments, rounds, 0), "curve": curve,
                          "primal": _median(partial(_primal, recorded, arguments), rounds),
                          "peers": _peers(name, gradient(wrt)(recorded, arguments)[wrt], arguments, counts, rounds)}
@@ -67,7 +66,12 @@ def _point(f: Any, wrt: str, arguments: tuple[Any, ...], rounds: int, snapshots:
     """The snapshots or the tape of a gradient, None where it is known only at run time, and its time."""
     memory = f.adjoint.memory(*arguments)
     taken = _median(lambda: gradient(wrt)(f, arguments), rounds)
-    return {"snapshots": snapshots, "bytes": _bytes(memory), "time": taken}
+    return {"snapshots": snapshots, "bytes": _bytes(memory), "runs": _runs(memory, snapshots), "time": taken}
+
+
+def _runs(memory: Any, snapshots: int) -> int | None:
+    """How often steps run, one after the other and in their adjoints; None where that shows only at run time."""
+    return next((loop.runs or None for loop in memory.loops), None) if snapshots else None
 
 
 def _bytes(memory: Any) -> int | None:
@@ -93,9 +97,9 @@ def render(found: dict[str, Any]) -> Chapter:
         recorded = of["recorded"]
         for point in (*of["curve"], recorded):
             count = int(point["snapshots"])
-            counted = bool(count) and name != "integrate_until"
+            runs = point.get("runs")
             table.rows.append((name, str(count) if count else "all is recorded",
-                               f"{runs_of_steps(steps, count) / steps:.2f}" if counted else "" if count else "1.00",
+                               f"{runs / steps:.2f}" if runs else "" if count else "1.00",
                                f"{point['bytes'] / 1e6:.2f}" if point["bytes"] else "grows", seconds(point["time"]),
                                f"{point['time'] / recorded['time']:.2f}", f"{point['time'] / of['primal']:.2f}"))
     others = Table("The same gradients by loops of JAX, whose memory is what its compiler says", (
@@ -109,8 +113,7 @@ def render(found: dict[str, Any]) -> Chapter:
     table.notes = [f"The load of the machine was {found['load']:.1f} on {found['cores']} cores when this was measured.",
                    *([f"Not installed, and not compared: {', '.join(absent)}."] if absent else [])]
     return Chapter(body=[
-        "Runs of a step: Revolve's count, the run in its own adjoint included, which is none where that needs the "
-        "state alone.",
+        "Runs of a step: with those in its own adjoint, which are none where that needs the state alone.",
         Picture("snapshots", "time of a gradient against what it keeps, a curve for each kernel",
                 partial(_draw, found)),
         table, *([others] if others.rows else [])])
