@@ -6,6 +6,7 @@ import stat
 import sys
 import tempfile
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from s2sad.diagnostics import Diagnostic, S2sadError
@@ -64,6 +65,8 @@ def _print(text: str) -> None:
     except BrokenPipeError:
         raise
     except OSError as error:
+        with suppress(OSError, ValueError):     # what is left in the buffer would be tried again at exit
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise _refused(f"standard output cannot be written ({_reason(error)})", "give -o a file") from None
 
 
