@@ -20,7 +20,7 @@ from s2sad.analyze.missing_shadows import missing_shadows
 from s2sad.deep_stack import deep_stack
 from s2sad.analyze.request import DerivativeRequest
 from s2sad.differentiate.augmented_primal import with_tape
-from s2sad.optimize.reusable_tape import ReusableTape, reusable_tape
+from s2sad.optimize.reusable_memory import ReusableMemory, reusable_memory
 from s2sad.emit.line_table import line_table
 from s2sad.optimize.directions import OneByOne, for_directions
 from s2sad.emit.dialect import in_dialect, types_of
@@ -40,7 +40,7 @@ from s2sad.program import (
     DemandedFacts, EntrySummary, Generated, Parameter, Program, RecordedArray, Request, SnapshotLoop,
     Snapshots, UnmadeDerivative,
 )
-from s2sad.run.user_functions_in_numba import compilable
+from s2sad.run.user_functions_in_numba import compilable, registered_rules
 from s2sad.naming import Names
 from s2sad.passes import Watch, unwatched
 from s2sad.simplify import Effects
@@ -132,13 +132,13 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         sources += [d.unit.kernel.source] * len(more)
     *first, entered = final(derived)
     functions += first
-    kept = with_caller_tape(derived, entered, units) if request.level == "fast" and not request.width else None
+    kept = with_caller_memory(derived, entered, units) if request.level == "fast" and not request.width else None
     if kept is None:
         functions.append(with_origins(entered, unit.kernel.source))
     else:
-        functions += [documented(with_origins(kept.taped, unit.kernel.source), derived, "over given stacks"),
+        functions += [documented(with_origins(kept.taped, unit.kernel.source), derived, "in given memory"),
                       kept.public]
-        found |= {"taped": kept.taped.name, "stacks": kept.stacks}
+        found |= {"taped": kept.taped.name, "stacks": kept.stacks, "arena": kept.arena}
     functions = in_dialect(functions, units)
     if request.width:
         functions = with_directions(functions, derived, request, units)
@@ -223,13 +223,15 @@ def primals(unit: Unit, units: Units) -> tuple[Parameter, ...]:
                  for p, t in zip(unit.function.args.args, unit.types))
 
 
-def with_caller_tape(derived: UnitDerivative, function: FunctionDef, units: Units) -> ReusableTape | None:
-    """The entry's adjoint over stacks that the caller keeps between calls."""
-    tape = derived.made.tape
-    if tape is None or units.engine != "numba" or derived.forward is not None:
+def with_caller_memory(derived: UnitDerivative, function: FunctionDef, units: Units) -> ReusableMemory | None:
+    """The entry's derivative over memory that the caller keeps between calls."""
+    if units.engine != "numba" or derived.forward is not None:
         return None
-    return reusable_tape(function, list(tape.stacks.values()), derived.types,
-                 units.titles.fresh(f"{derived.function.name}_taped"))
+    tape = derived.made.tape
+    foreign = registered_rules(units.program) or any(k.residual for k in units.program.kernels.values())
+    return reusable_memory(function, [] if tape is None else list(tape.stacks.values()), derived.types,
+                           units.titles.fresh(f"{derived.function.name}_taped"),
+                           with_arena=not foreign)      # functions of the user's may keep what they are given
 
 
 def entry(program: Program, types: tuple[Type, ...], engine: str, watch: Watch = unwatched,

@@ -14,7 +14,7 @@ from benchmarks.calls import adjoint_arguments, differentiated, fresh, plain_num
 from benchmarks.kernels.cases import ARRAYS, Case
 from benchmarks.peers.problems import Problem, Run
 from benchmarks.peers.tools import PRIMALS
-from s2sad.dispatch.memory_reuse import TapeReuse
+from s2sad.dispatch.memory_reuse import MemoryReuse
 
 
 
@@ -70,7 +70,7 @@ def restoring(adjoint: Callable[..., Any], shadowed: Sequence[Any], case: Case) 
                  for n in inspect.signature(case.function).parameters if n in case.wrt}
         return [found[n] for n in case.wrt]
 
-    tape = adjoint.stack_bytes if isinstance(adjoint, TapeReuse) else 0
+    tape = adjoint.stack_bytes if isinstance(adjoint, MemoryReuse) else 0
     return Run(call, gradients, tape + sum(now.nbytes for now in shadows_of(case, working).values()))
 
 

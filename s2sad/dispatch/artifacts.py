@@ -47,8 +47,8 @@ _FOLLOWING = frozenset(("root", "function", "kernel", "given", "bound"))     # s
 _WRITTEN: dict[str, type] = {c.__name__: c for c in (
     Type, PyTree, Parameter, EntrySummary, Recording, Request, Schedule, Snapshots, TextGuard, SourcePlace,
     IndexLimit, RecordedArray, SnapshotLoop)}
-_FACTS = ("wrappers", "stacks", "taped", "independent", "guards", "places", "folders", "recorded", "loops", "forward",
-          "taken", "tape", "index_limits", "unwritten")
+_FACTS = ("wrappers", "stacks", "arena", "taped", "independent", "guards", "places", "folders", "recorded", "loops",
+          "forward", "taken", "tape", "index_limits", "unwritten")
 
 
 class NotSerializable(Exception):

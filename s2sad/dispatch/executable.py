@@ -12,7 +12,7 @@ from s2sad.dispatch.deferred import compiler
 from s2sad.dispatch.index_check import IndexCheck
 from s2sad.dispatch.limited_memory import LimitedMemory
 from s2sad.dispatch.memory_check import MemoryCheck
-from s2sad.dispatch.memory_reuse import TapeReuse
+from s2sad.dispatch.memory_reuse import MemoryReuse, memory_at_first
 from s2sad.infer.types import Type
 from s2sad.program import Generated, Parameter
 from s2sad.live_objects.registry import RegisteredRule
@@ -90,11 +90,11 @@ class Executable:
             compiler().checked_constants(module, registered)
             if "units" in generated.facts:
                 compiler().checked_derivatives(module, generated.facts["units"])
-        stacks = generated.facts.get("stacks", ()) if engine == "numba" else ()
+        taped = facts.get("taped") if engine == "numba" else None
         self.module = module
-        self.dispatcher: Callable[..., Any] = getattr(module, generated.facts["taped"] if stacks else generated.entry)
-        self._first = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in stacks)
-        self._reuse = TapeReuse(self.dispatcher, self._first, function) if stacks else None
+        self.dispatcher: Callable[..., Any] = getattr(module, taped or generated.entry)
+        self._first = memory_at_first(facts) if taped else ()
+        self._reuse = MemoryReuse(self.dispatcher, self._first, facts["arena"], function) if taped else None
         self.function: Callable[..., Any] = self.in_folders(
             self._reuse if self._reuse is not None else
             without_warnings(self.dispatcher) if engine == "numpy" else self.dispatcher)

@@ -1,5 +1,5 @@
-"""The stacks of compiled adjoints, and the copies that calls make, kept between calls: fresh memory costs as much as
-the arithmetic.
+"""The stacks and work arrays of compiled derivatives, and the copies that calls make, kept between calls: fresh memory
+costs as much as the arithmetic.
 
 Each thread has its own, and a call takes them for as long as it runs: one that begins inside of another, from a
 function of the user's that compiled code calls back, gets fresh ones. What is kept of all derivatives and threads takes
@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import threading
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import FunctionType
 from typing import Any
 
@@ -92,28 +92,48 @@ def clear_kept(owner: FunctionType | None = None) -> int:
         return size
 
 
-class TapeReuse(InThreads):
-    """A compiled adjoint with the stacks that it left behind at the last call of each thread, used again."""
+def memory_at_first(facts: Mapping[str, Any]) -> tuple[np.ndarray, ...]:
+    """The stacks of a derivative, and the arena behind them where it has one, before its first call: empty ones."""
+    stacks = tuple(np.empty((0,) * rank, dtype) for _, dtype, rank in facts.get("stacks", ()))
+    return (*stacks, np.empty(0)) if facts["arena"] else stacks
 
-    def __init__(self, function: Callable[..., Any], first: tuple[np.ndarray, ...], owner: FunctionType | None = None):
+
+class MemoryReuse(InThreads):
+    """A compiled derivative with the stacks that it left behind at the last call of each thread, and an arena as large
+    as that call had use for."""
+
+    def __init__(self, function: Callable[..., Any], first: tuple[np.ndarray, ...], arena: bool,
+                 owner: FunctionType | None = None):
         super().__init__(owner)
         self.function, self.first, self.count = function, first, len(first)
+        self._arena = self.count - 1 if arena else None
 
-    def __call__(self, *arguments: Any) -> tuple[Any, ...]:
+    def __call__(self, *arguments: Any) -> tuple[Any, ...] | None:
         kept = self.kept()
-        stacks = kept.take()
+        given = kept.take() or dict(enumerate(self.first))
         try:
-            returned = self.function(*arguments, *(stacks.values() or self.first))
+            returned = self.function(*arguments, *given.values())
         except BaseException:
             kept.drop()
             raise
-        kept.put(dict(enumerate(returned[-self.count:])))
-        return returned[:-self.count]
+        left = dict(enumerate(returned[-self.count:]))
+        if self._arena is not None:
+            left[self._arena] = _arena_for(left[self._arena], given[self._arena])
+        kept.put(left)
+        return returned[:-self.count] or None       # as a derivative that keeps nothing
 
     @property
     def stack_bytes(self) -> int:
         """The bytes of the stacks that the last call of this thread left behind."""
-        return self.kept().size
+        kept = self.kept()
+        arena = 0 if self._arena is None or not kept.arrays else kept.arrays[self._arena].nbytes
+        return kept.size - arena
+
+
+def _arena_for(wanted: int, had: np.ndarray) -> np.ndarray:
+    """An arena for so many numbers: the same one, or a larger one, which takes no memory until it is used."""
+    large = _LARGE <= wanted * had.itemsize <= byte_limit("S2SAD_TAPE_SIZE", _SIZE)
+    return np.empty(wanted) if large and wanted > had.size else had
 
 
 class CallCopies:

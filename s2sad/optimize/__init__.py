@@ -16,6 +16,7 @@ from s2sad.optimize.loop_interchange import loop_interchange
 from s2sad.optimize.loop_memoization import loop_memoization
 from s2sad.optimize.primal_contraction import primal_contraction
 from s2sad.optimize.shared_reciprocals import shared_reciprocals
+from s2sad.optimize.shape_propagation import shape_propagation
 from s2sad.optimize.strength_reduction import strength_reduction
 from s2sad.optimize.unguarded_division import unguarded_division
 from s2sad.optimize.unsigned_indices import unsigned_indices
@@ -48,6 +49,7 @@ PASSES: Passes = (
     Pass(dead_code, "dead_code_after_vectorize", when=in_adjoint_loops),
     Pass(vector_math, when=in_adjoint_loops),
     Pass(shared_reciprocals, when=in_adjoint_loops),
+    Pass(shape_propagation, when=in_loops),
     Pass(unsigned_indices, when=in_adjoint_loops),
     Pass(strength_reduction, when=in_arrays),
     Pass(unguarded_division, when=in_arrays),

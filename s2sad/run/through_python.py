@@ -1,7 +1,8 @@
 """Runtime functions that compiled code calls through Python, since Numba cannot compile them: what SciPy solves,
 what NumPy draws, and memory that is mapped to files.
 
-Compiled code that raises lets go of nothing that it holds: files that it has mapped are emptied then, by who calls it.
+Compiled code that raises lets go of nothing that it holds: files that it has mapped are emptied then, by who calls it,
+and are those of the next call that needs as much.
 """
 from __future__ import annotations
 
@@ -11,8 +12,11 @@ import threading
 import weakref
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
+
+import numpy as np
 
 from s2sad import runtime
 from s2sad.run.lanes import lanes_on_stack
@@ -63,39 +67,60 @@ def _mapping(numba: Any) -> Any:
     return numba.njit(on_disk)
 
 
+@dataclass
+class _MappedFile:
+    """A file that compiled code has mapped: with the same `key` another call can use it. Code that has raised keeps one
+    mapped for good (`lost`)."""
+    file: Any
+    key: tuple[str, int]
+    content: Callable[[], Any] = lambda: None
+    lost: bool = False
+
+
 class _Files(threading.local):
-    """The files that compiled code has mapped in this thread, each with what keeps it mapped."""
-    now: list[tuple[Any, Any]] | None = None
+    """The files that compiled code has mapped in this thread."""
+    now: list[_MappedFile] | None = None
 
 
 _FILES = _Files()
+_LOST: dict[tuple[str, int], list[_MappedFile]] = {}        # which are empty until they are used again
 
 
 @contextmanager
 def files_emptied_on_error() -> Iterator[None]:
     """The files that compiled code maps inside are empty behind it if it raises."""
     outer, _FILES.now = _FILES.now, (here := [])
+    raised = True
     try:
         yield
-    except BaseException:
-        for file, content in here:
-            if content() is not None:
-                file.truncate(0)
-        raise
+        raised = False
     finally:
         _FILES.now = outer
-        for file, _ in here:
-            file.close()
+        for mapped in here:
+            content = mapped.content()
+            if content is None or not (raised or mapped.lost):
+                mapped.file.close()
+                continue
+            mapped.file.truncate(0)
+            _LOST.setdefault(mapped.key, []).append(_MappedFile(mapped.file, mapped.key, partial(_same, content), True))
+
+
+def _same(value: Any) -> Any:
+    return value
 
 
 def _mapped(array: Any, rows: int, folder: str) -> Any:
     """`runtime.on_disk`, of which the file is known until the call is over."""
     if _FILES.now is None:
         return runtime.on_disk(array, rows, folder)
-    file = tempfile.TemporaryFile(dir=folder)
-    _FILES.now.append((file, lambda: None))
-    found = runtime.mapped(file, array, rows, folder)
-    _FILES.now[-1] = file, weakref.ref(found.base)
+    key = folder, max(1, rows * array.nbytes)
+    if lost := _LOST.get(key):
+        _FILES.now.append(again := lost.pop())
+        runtime.extend(again.file, key[1], folder)
+        return np.ndarray((rows, *array.shape), array.dtype, again.content())
+    _FILES.now.append(new := _MappedFile(tempfile.TemporaryFile(dir=folder), key))
+    found = runtime.mapped(new.file, array, rows, folder)
+    new.content = weakref.ref(found.base)
     return found
 
 

@@ -91,10 +91,18 @@ def on_disk(array, rows, folder):
 def mapped(file, array, rows, folder):
     """Memory for so many copies of an array that is mapped to a file, which has room for them."""
     import mmap
+
+    size = max(1, rows * array.nbytes)
+    extend(file, size, folder)
+    content = mmap.mmap(file.fileno(), size)
+    return np.ndarray((rows,) + array.shape, array.dtype, content)
+
+
+def extend(file, size, folder):
+    """Gives an empty file so many bytes; raises OSError if there is no room for them."""
     import os
     import shutil
 
-    size = max(1, rows * array.nbytes)
     free = shutil.disk_usage(folder).free
     if free < size:
         raise OSError(28, f"{size:,} bytes are needed, {free:,} are free", folder)
@@ -102,5 +110,3 @@ def mapped(file, array, rows, folder):
         os.posix_fallocate(file.fileno(), 0, size)
     else:
         file.truncate(size)
-    content = mmap.mmap(file.fileno(), size)
-    return np.ndarray((rows,) + array.shape, array.dtype, content)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from s2sad.dispatch.memory_reuse import CallCopies, InThreads, TapeReuse, clear_kept
+from s2sad.dispatch.memory_reuse import CallCopies, InThreads, MemoryReuse, clear_kept
 
 FIRST = (np.empty(0),)
 
@@ -29,7 +29,7 @@ def _nothing_kept():
 
 def test_a_call_takes_the_stacks_of_the_last_one():
     seen = []
-    reuse = TapeReuse(lambda n, stack: (seen.append(stack), *growing(n, stack)), FIRST)
+    reuse = MemoryReuse(lambda n, stack: (seen.append(stack), *growing(n, stack)), FIRST, arena=False)
     assert reuse(5)[1] == 5
     reuse(5), reuse(6), reuse(6)
     assert seen[1] is seen[2] and seen[2] is not seen[3] and [s.size for s in seen] == [0, 5, 5, 6]
@@ -44,7 +44,7 @@ def test_a_call_inside_of_another_has_stacks_of_its_own():
         if depth:
             reuse(depth - 1)
         return depth, np.empty(4)
-    reuse = TapeReuse(calling, FIRST)
+    reuse = MemoryReuse(calling, FIRST, arena=False)
     reuse(0)
     reuse(2)
     assert seen[1].size == 4 and seen[2] is seen[3] is FIRST[0]
@@ -55,7 +55,7 @@ def test_what_raises_leaves_nothing():
         if bad:
             raise ValueError("bad")
         return True, np.empty(4)
-    reuse = TapeReuse(raising, FIRST)
+    reuse = MemoryReuse(raising, FIRST, arena=False)
     reuse(False)
     with pytest.raises(ValueError, match="bad"):
         reuse(True)
@@ -70,7 +70,7 @@ def test_threads_share_nothing():
     def waiting(n, stack):
         barrier.wait(timeout=20)
         return stack, np.empty(n)
-    reuse = TapeReuse(waiting, FIRST)
+    reuse = MemoryReuse(waiting, FIRST, arena=False)
     with ThreadPoolExecutor(2) as pool:
         list(pool.map(reuse, (4, 4)))
         both = [found[0] for found in pool.map(reuse, (4, 4))]
@@ -80,7 +80,7 @@ def test_threads_share_nothing():
 
 def test_the_bound(monkeypatch):
     monkeypatch.setenv("S2SAD_TAPE_SIZE", "1K")
-    first, second, large = (TapeReuse(growing, FIRST) for _ in range(3))
+    first, second, large = (MemoryReuse(growing, FIRST, arena=False) for _ in range(3))
     first(60), second(60)
     assert (first.stack_bytes, second.stack_bytes) == (480, 480)
     first(60), large(30)

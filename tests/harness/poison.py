@@ -21,7 +21,7 @@ import numpy as np
 
 import s2sad.runtime
 from s2sad.dispatch import executable
-from s2sad.dispatch.memory_reuse import TapeReuse
+from s2sad.dispatch.memory_reuse import MemoryReuse
 from s2sad.run import compiled, module_loader
 
 HUGE = {8: 100, 16: 30_000, 32: 2_000_000_000, 64: 4_000_000_000_000_000_000}   # by bits: far behind every array's end
@@ -73,7 +73,7 @@ class _Loader(module_loader._Loader):
         return compile(tree, self.path, "exec", dont_inherit=True, optimize=0)
 
 
-class _Keeping(TapeReuse):
+class _Keeping(MemoryReuse):
     """Stacks hold nothing of the call before."""
 
     def __call__(self, *arguments: Any) -> tuple[Any, ...]:
@@ -144,7 +144,7 @@ def poisoned() -> Iterator[None]:
         changed.enter_context(_runtime_filled())
         for where, name, value in ((module_loader, "_Loader", _Loader), (module_loader, "load", own),
                                    (executable, "load", own),
-                                   (executable, "TapeReuse", _Keeping), (compiled, "_jit", compiled_or_known),
+                                   (executable, "MemoryReuse", _Keeping), (compiled, "_jit", compiled_or_known),
                                    (compiled, "_key", lambda bounds: f"{key(bounds)}-poison"),
                                    (compiled, "_runtime", _runtime)):
             changed.enter_context(patch.object(where, name, value))

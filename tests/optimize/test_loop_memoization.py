@@ -29,7 +29,7 @@ def _fast(kernel) -> str:
     (only_inside, 0, 0), (of_a_moving_name, 0, 0)])
 def test_what_is_kept(kernel, allocated, read):
     text = _fast(kernel)
-    assert text.count("_kept = np.empty") == allocated
+    assert text.count("_kept, top = allocate(") == allocated
     assert text.count("_kept[") == allocated + read
 
 

@@ -127,8 +127,9 @@ def test_imports_nothing_of_ours():
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout.strip() == str(["s2sad", "s2sad.runtime", *(
         f"s2sad.runtime.{room}" for room in (
-            "checkpoints", "decompositions", "directions", "exponentials", "factors", "matrices", "places", "scalars",
-            "spans", "sparse_matrices", "special", "spread", "stacks", "sums", "systems", "transforms", "triangles"))])
+            "arena", "checkpoints", "decompositions", "directions", "exponentials", "factors", "matrices", "places",
+            "scalars", "spans", "sparse_matrices", "special", "spread", "stacks", "sums", "systems", "transforms",
+            "triangles"))])
 
 
 @pytest.fixture(scope="module", params=["numpy", "numba"])

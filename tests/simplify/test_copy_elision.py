@@ -1,24 +1,26 @@
 """What the text for NumPy leaves out: copies of shadows that are emptied, expressions computed twice."""
 from __future__ import annotations
 
-from typing import cast
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
 from s2sad import differentiate
 from s2sad.emit import layout
-from s2sad.passes import Context
+from s2sad.infer.types import FLOAT
 from s2sad.simplify.copy_elision import copy_elision
 from s2sad.tree import rename, statements
 from tests.harness.derivatives import check_derivatives
 
-SPELLING = {"numpy.copy": "copy", "numpy.reshape": "reshape"}
+SPELLING = {"numpy.copy": "copy", "numpy.reshape": "reshape", "numpy.zeros_like": "zeros_like"}
+CONTEXT: Any = SimpleNamespace(types={"t": FLOAT})
 
 
 def without_copies(body: str) -> str:
     text = "def f(a, w):\n" + "".join(f"    {line}\n" for line in body.strip().splitlines())
     given = rename(statements(text)[0], {v: k for k, v in SPELLING.items()})
-    return layout.text(copy_elision(given, cast(Context, None)), SPELLING)
+    return layout.text(copy_elision(given, CONTEXT), SPELLING)
 
 
 def test_a_shadow_is_read_where_it_lies():
@@ -33,6 +35,21 @@ def test_a_copy_that_is_needed_stays():
     for before in ("s = copy(w)\nw[1] = 0.0\na[...] += s", "s = copy(w)\nw[...] = 1.0\na[...] += s",
                    "a[...] = s\ns = copy(w)\nw[...] = 0.0\na[...] += s"):
         assert "s = copy(w)" in without_copies(before), before
+
+
+def test_the_copy_of_what_nothing_mentions_any_more():
+    made, used = "b = zeros_like(a)\nfor i in a:\n    t = a[i]\n    b[i] += t\n", "s = copy(b)\na[...] += 2.0 * s\n"
+    assert without_copies(made + used).endswith("a[...] += 2.0 * b")
+    assert without_copies(made + used + "s[0] = 1.0\na[...] += s").endswith("b[0] = 1.0\n    a[...] += b")
+
+
+def test_the_copy_of_what_another_name_or_the_caller_reads_stays():
+    for kernel in ("b = zeros_like(a)\ns = copy(b)\na[...] += s\nb[0] = 1.0\na[...] += s",
+                   "b = zeros_like(a)\nv = reshape(b, 3)\ns = copy(b)\ns[0] = 1.0\na[...] += s + v",
+                   "b = zeros_like(a)\nfor i in a:\n    v = b[i]\ns = copy(b)\ns[0] = 1.0\na[...] += s + v",
+                   "s = copy(w)\ns[0] = 1.0\na[...] += s",
+                   "b = zeros_like(a)\nfor i in a:\n    s = copy(b)\n    s[0] += 1.0\n    a[...] += s"):
+        assert "s = copy(" in without_copies(kernel), kernel
 
 
 def flow(u, v, a):

@@ -201,6 +201,11 @@ def _sized(meter: Meter, args: list[Any], keywords: Keywords) -> Any:
     return stack if stack.shape == shape else allocated(meter, shape, stack.dtype)
 
 
+def _in_arena(meter: Meter, args: list[Any], keywords: Keywords) -> Any:
+    """The array and the place behind it, as where the arena has no room."""
+    return allocated(meter, shape_of(args[2]), np.float64), UNKNOWN
+
+
 def _on_disk(meter: Meter, args: list[Any], keywords: Keywords) -> Any:
     """Rows in a file."""
     outer, meter.kind = meter.kind, "disk"
@@ -294,6 +299,7 @@ _FUNCTIONS: dict[str, Function] = {
     **dict.fromkeys(("np.transpose", "method transpose"), _transposed),
     **dict.fromkeys(("np.reshape", "method reshape"), _reshaped),
     **dict.fromkeys(("np.ravel", "method ravel"), _flat), "np.broadcast_to": _broadcast_view,
+    **dict.fromkeys(("allocate", "allocate_zeros"), _in_arena),
     "sized": _sized, "on_disk": _on_disk, "len": _length, "abs": _absolute, "np.abs": _absolute, "int": _integer,
     "float": _real, "np.float64": _real, "bool": _boolean,
     "max": _extreme(True), "min": _extreme(False), "position": _inside,

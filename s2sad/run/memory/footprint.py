@@ -49,14 +49,15 @@ def footprint_of(generated: Generated, values: Mapping[str, Any], written: Colle
     functions, constants = parsed(generated.text)
     facts = generated.facts
     arrays = tuple(facts.get("recorded", ()))
-    stacks = [np.empty((0,) * rank, dtype) for _, dtype, rank in facts.get("stacks", ())]
+    kept = [np.empty((0,) * rank, dtype) for _, dtype, rank in facts.get("stacks", ())]
+    kept += [np.empty(0)] if facts.get("arena") else []
     run = MemoryInterpreter(functions, constants, {(r.function, r.name): r.kind for r in arrays},
                             {loop.function: loop.steps for loop in facts.get("loops", ())})
-    given = [*(given_argument(p, values, written) for p in generated.parameters), *(_abstract(s, True) for s in stacks)]
+    given = [*(given_argument(p, values, written) for p in generated.parameters), *(_abstract(s, True) for s in kept)]
     if "forward" in facts:
         returned = run.call(facts["forward"], [given_argument(p, values, written) for p in facts["taken"]])
         given.insert(0, _as_tape(returned))     # while `returned` is held
-    run.call(facts["taped"] if stacks else generated.entry, given)
+    run.call(facts.get("taped") or generated.entry, given)
     meter = run.meter
     steps = {f: int(n) if is_number(n) else None for f, n in run.steps.items()}
     peaks = meter.peaks

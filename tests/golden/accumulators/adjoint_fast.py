@@ -15,7 +15,7 @@ from s2sad.runtime import sized  # isort: skip
 
 
 def kernel_adjoint_taped(y, y_bar, x, x_bar, product_stack):
-    """Adjoint of kernel: d(y) / d(y, x), over given stacks."""
+    """Adjoint of kernel: d(y) / d(y, x), in given memory."""
     # forward sweep: only what the reverse sweep reads
     total = 0.0
     product = 1.0

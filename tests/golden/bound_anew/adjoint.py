@@ -36,9 +36,8 @@ def kernel_adjoint(u, u_bar, rate, n, result_bar):
     returned_bar = np.zeros_like(returned)
     # return u * before
     returned_bar[...] += result_bar
-    seed = np.copy(returned_bar)
-    u_1_bar[...] += before * seed
-    before_bar[...] += u_1 * seed
+    u_1_bar[...] += before * returned_bar
+    before_bar[...] += u_1 * returned_bar
     for _ in range(n - 1, -1, -1):
         # u = u - rate * u ** 2
         u_1[...] = u_1_stack[_]

@@ -12,34 +12,32 @@ It records:
 
 import numpy as np
 
-from s2sad.runtime import added, sized  # isort: skip
+from s2sad.runtime import added, allocate, allocate_zeros, sized  # isort: skip
 
 
-def kernel_adjoint_taped(u, u_bar, rate, n, result_bar, u_1_stack):
-    """Adjoint of kernel: d(return) / d(u, rate), over given stacks."""
+def kernel_adjoint_taped(u, u_bar, rate, n, result_bar, u_1_stack, arena):
+    """Adjoint of kernel: d(return) / d(u, rate), in given memory."""
     # forward sweep: only what the reverse sweep reads
-    before = np.empty_like(u)
-    u_1 = np.empty_like(u)
-    for i in range(before.shape[0]):
+    before, top = allocate(arena, 0, u.shape)
+    u_1, top = allocate(arena, top, u.shape)
+    for i in range(u.shape[0]):
         before[i] = u[i]
         u_1[i] = u[i]
-    u_1_2 = np.empty_like(u_1)
-    u_1_stack = sized(u_1_stack, (len(range(n)), u_1.shape[0]))
+    u_1_stack = sized(u_1_stack, (len(range(n)), u.shape[0]))
     for _ in range(n):
-        for i in range(u_1_2.shape[0]):
+        for i in range(u.shape[0]):
             u_1_here = u_1[i]
             u_1_2_here_ = u_1_here - rate * u_1_here ** 2
             before[i] = u_1[i]
             u_1_stack[_, i] = u_1[i]
             u_1[i] = u_1_2_here_
-    returned = np.empty_like(u_1)
+    returned, top = allocate(arena, top, u.shape)
     assert returned.shape == result_bar.shape, "result_bar does not have the shape of the result"
     # reverse sweep
     rate_bar = 0.0
-    before_bar = np.zeros_like(before)
-    u_1_bar = np.zeros_like(u_1)
-    returned_bar = np.zeros_like(returned)
-    for i in range(returned_bar.shape[0]):
+    before_bar, top = allocate_zeros(arena, top, u.shape)
+    u_1_bar, top = allocate_zeros(arena, top, u.shape)
+    for i in range(u.shape[0]):
         returned_bar_here = 0.0
         # return u * before
         returned_bar_here += result_bar[i]
@@ -47,7 +45,7 @@ def kernel_adjoint_taped(u, u_bar, rate, n, result_bar, u_1_stack):
         before_bar[i] += u_1[i] * seed
         u_1_bar[i] += before[i] * seed
     for _ in range(n - 1, -1, -1):
-        for i in range(u_1.shape[0]):
+        for i in range(u.shape[0]):
             u_1_2_bar_here = 0.0
             # u = u - rate * u ** 2
             u_1[i] = u_1_stack[_, i]
@@ -61,16 +59,16 @@ def kernel_adjoint_taped(u, u_bar, rate, n, result_bar, u_1_stack):
             seed = u_1_2_bar_here
             rate_bar = added(rate_bar, -(u_1_here ** 2 * seed))
             u_1_bar[i] += seed - 2.0 * u_1_here * (rate * seed)
-    for i in range(u_1.shape[0]):
+    for i in range(u.shape[0]):
         seed = u_1_bar[i]
         u_1_bar[i] = 0.0
         u_bar[i] += seed
         seed = before_bar[i]
         before_bar[i] = 0.0
         u_bar[i] += seed
-    return rate_bar, u_1_stack
+    return rate_bar, u_1_stack, top
 
 
 def kernel_adjoint(u, u_bar, rate, n, result_bar):
-    returned = kernel_adjoint_taped(u, u_bar, rate, n, result_bar, np.empty((0, 0)))
+    returned = kernel_adjoint_taped(u, u_bar, rate, n, result_bar, np.empty((0, 0)), np.empty(0))
     return (returned[0],)

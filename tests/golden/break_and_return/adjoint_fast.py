@@ -17,7 +17,7 @@ from s2sad.runtime import grow, sized  # isort: skip
 
 
 def kernel_adjoint_taped(x, x_bar, limit, result_bar, total_stack):
-    """Adjoint of kernel: d(return) / d(x), over given stacks."""
+    """Adjoint of kernel: d(return) / d(x), in given memory."""
     # forward sweep: only what the reverse sweep reads
     total = 1.0
     returned = False

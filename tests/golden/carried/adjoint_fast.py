@@ -16,7 +16,7 @@ from s2sad.runtime import added, sized  # isort: skip
 
 
 def kernel_adjoint_taped(u, u_bar, c, result_bar, u_stack):
-    """Adjoint of kernel: d(u, return) / d(u, c), over given stacks."""
+    """Adjoint of kernel: d(u, return) / d(u, c), in given memory."""
     # forward sweep: only what the reverse sweep reads
     left = u[u.size - 1]
     left_1 = left

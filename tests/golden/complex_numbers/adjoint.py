@@ -39,8 +39,7 @@ def kernel_adjoint(psi, psi_bar, v, v_bar, dt, result_bar):
     # psi[:] = np.fft.fft(psi)
     seed = np.copy(psi_bar)
     psi_next_bar[...] += seed
-    seed_2 = np.copy(psi_next_bar)
-    psi_bar[...] = np.fft.ifft(seed_2, axis=-1, norm="forward")
+    psi_bar[...] = np.fft.ifft(psi_next_bar, axis=-1, norm="forward")
     # psi *= np.exp(-1j * dt * v)
     psi[...] = psi_before
     seed_3 = np.copy(psi_bar)

@@ -17,7 +17,7 @@ from s2sad.runtime import added, fft, ifft, sized  # isort: skip
 
 
 def kernel_adjoint_taped(psi, psi_bar, v, v_bar, dt, result_bar, psi_here_stack):
-    """Adjoint of kernel: d(psi, return) / d(psi, v, dt), over given stacks."""
+    """Adjoint of kernel: d(psi, return) / d(psi, v, dt), in given memory."""
     # forward sweep: only what the reverse sweep reads
     assert psi.shape == v.shape, (
         "shapes differ: a length of 1 repeats only where it is "
@@ -30,7 +30,7 @@ def kernel_adjoint_taped(psi, psi_bar, v, v_bar, dt, result_bar, psi_here_stack)
         psi[i_2] = psi_here * np.exp(-1j * dt * v[i_2])
     psi_next = np.empty_like(psi)
     fft_value = fft(psi, None, -1, None)
-    for i_2 in range(psi_next.shape[0]):
+    for i_2 in range(psi.shape[0]):
         psi_next[i_2] = fft_value[i_2]
     for i_2 in range(psi.shape[0]):
         psi[i_2] = psi_next[i_2]
@@ -51,8 +51,7 @@ def kernel_adjoint_taped(psi, psi_bar, v, v_bar, dt, result_bar, psi_here_stack)
         psi_bar[i_2] = 0.0
         psi_next_bar[i_2] += seed
     # psi[:] = np.fft.fft(psi)
-    seed_2 = np.copy(psi_next_bar)
-    ifft_value = ifft(seed_2, None, -1, "forward")
+    ifft_value = ifft(psi_next_bar, None, -1, "forward")
     for i_2 in range(psi_bar.shape[0]):
         psi_bar[i_2] += ifft_value[i_2]
     for i_2 in range(psi.shape[0]):
@@ -60,9 +59,9 @@ def kernel_adjoint_taped(psi, psi_bar, v, v_bar, dt, result_bar, psi_here_stack)
         exp_value = np.exp(-1j * dt * v[i_2])
         seed = psi_bar[i_2]
         exp_value_bar = np.conj(psi_here_stack[i_2]) * seed
-        seed_3 = np.conj(exp_value) * exp_value_bar if exp_value_bar != 0.0 else 0.0
-        dt_bar = added(dt_bar, np.real(1j * (v[i_2] * seed_3)))
-        v_bar[i_2] += np.real(1j * dt * seed_3)
+        seed_2 = np.conj(exp_value) * exp_value_bar if exp_value_bar != 0.0 else 0.0
+        dt_bar = added(dt_bar, np.real(1j * (v[i_2] * seed_2)))
+        v_bar[i_2] += np.real(1j * dt * seed_2)
         psi_bar[i_2] = np.conj(exp_value) * seed
     return dt_bar, psi_here_stack
 

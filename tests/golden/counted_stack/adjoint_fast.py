@@ -16,7 +16,7 @@ from s2sad.runtime import sized  # isort: skip
 
 
 def kernel_adjoint_taped(x, x_bar, result_bar, state_stack):
-    """Adjoint of kernel: d(return) / d(x), over given stacks."""
+    """Adjoint of kernel: d(return) / d(x), in given memory."""
     # forward sweep: only what the reverse sweep reads
     state = 0.5
     state_stack = sized(state_stack, (x.size,))

@@ -13,14 +13,15 @@ import math
 
 import numpy as np
 
-from s2sad.runtime import added  # isort: skip
+from s2sad.runtime import added, allocate, allocate_zeros  # isort: skip
 
 
-def kernel_adjoint(x, x_bar, scales, scales_bar, result_bar):
+def kernel_adjoint_taped(x, x_bar, scales, scales_bar, result_bar, arena):
+    """Adjoint of kernel: d(return) / d(x, scales), in given memory."""
     # forward sweep: only what the reverse sweep reads
-    work = np.empty(scales.size)
+    work, top = allocate(arena, 0, (scales.size,))
     # reverse sweep
-    work_bar = np.zeros_like(work)
+    work_bar, top = allocate_zeros(arena, top, work.shape)
     # return total
     total_bar = result_bar
     for i in range(x.size - 1, -1, -1):
@@ -40,3 +41,8 @@ def kernel_adjoint(x, x_bar, scales, scales_bar, result_bar):
                 x_bar_total = added(x_bar_total, scales[k] * seed)
             # work[k] = math.sin(scales[k] * x[i])
             x_bar[i] = x_bar_total
+    return (top,)
+
+
+def kernel_adjoint(x, x_bar, scales, scales_bar, result_bar):
+    kernel_adjoint_taped(x, x_bar, scales, scales_bar, result_bar, np.empty(0))

@@ -17,7 +17,7 @@ from s2sad.runtime import added, grow, sized  # isort: skip
 
 
 def kernel_adjoint_taped(x, x_bar, tolerance, guess_stack):
-    """Adjoint of kernel: d(x) / d(x), over given stacks."""
+    """Adjoint of kernel: d(x) / d(x), in given memory."""
     # forward sweep: only what the reverse sweep reads
     guess = 1.0
     guess_stack = sized(guess_stack, (max(64, guess_stack.shape[0]),))

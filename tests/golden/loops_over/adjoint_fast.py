@@ -15,7 +15,7 @@ from s2sad.runtime import added, sized  # isort: skip
 
 
 def kernel_adjoint_taped(x, x_bar, y, y_bar, result_bar, total_stack):
-    """Adjoint of kernel: d(y, return) / d(x, y), over given stacks."""
+    """Adjoint of kernel: d(y, return) / d(x, y), in given memory."""
     # forward sweep: only what the reverse sweep reads
     total = 0.0
     for index in range(min(len(x), len(y))):

@@ -17,7 +17,7 @@ from s2sad.runtime import added, sized  # isort: skip
 
 
 def kernel_adjoint_taped(u, u_bar_, seed, result_bar, u_bar_stack):
-    """Adjoint of kernel: d(return) / d(u, seed), over given stacks."""
+    """Adjoint of kernel: d(return) / d(u, seed), in given memory."""
     # forward sweep: only what the reverse sweep reads
     u_bar = math.sin(u[0])
     u_bar_stack = sized(u_bar_stack, (len(range(1, u.size)),))

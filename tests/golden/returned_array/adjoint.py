@@ -30,16 +30,14 @@ def kernel_adjoint(u, u_bar, a, result_0_bar, result_1_bar, result_2_bar):
     slope_bar[...] += result_0_bar
     returned_bar[...] += result_1_bar
     slope_bar[...] += result_2_bar
-    seed = np.copy(returned_bar)
-    u_bar[1:] += seed
+    u_bar[1:] += returned_bar
     # slope = a * differences(u)
-    seed_2 = np.copy(slope_bar)
-    a_bar = np.sum(out * seed_2)
-    out_bar[...] += a * seed_2
+    a_bar = np.sum(out * slope_bar)
+    out_bar[...] += a * slope_bar
     for i in range(u.size - 1, 0, -1):
         # out[i] = v[i] - v[i - 1]
-        seed_3 = out_bar[i]
+        seed = out_bar[i]
         out_bar[i] = 0.0
-        u_bar[i] += seed_3
-        u_bar[i - 1] -= seed_3
+        u_bar[i] += seed
+        u_bar[i - 1] -= seed
     return (a_bar,)

@@ -11,16 +11,17 @@ It records nothing.
 
 import numpy as np
 
-from s2sad.runtime import added  # isort: skip
+from s2sad.runtime import added, allocate, allocate_zeros  # isort: skip
 
 
-def kernel_adjoint(u, u_bar, a, result_0_bar, result_1_bar, result_2_bar):
+def kernel_adjoint_taped(u, u_bar, a, result_0_bar, result_1_bar, result_2_bar, arena):
+    """Adjoint of kernel: d(return 0, return 1, return 2) / d(u, a), in given memory."""
     # forward sweep: only what the reverse sweep reads
-    out = np.zeros_like(u)
+    out, top = allocate_zeros(arena, 0, u.shape)
     for i in range(1, u.size):
         out[i] = u[i] - u[i - 1]
-    slope = np.empty_like(out)
-    returned = np.empty(max(u.shape[0] - 1, 0))
+    slope, top = allocate(arena, top, u.shape)
+    returned, top = allocate(arena, top, (max(u.shape[0] - 1, 0),))
     assert slope.shape == result_0_bar.shape, "result_0_bar does not have the shape of the result"
     assert returned.shape == result_1_bar.shape, (
         "result_1_bar does not have the shape of the result"
@@ -28,16 +29,15 @@ def kernel_adjoint(u, u_bar, a, result_0_bar, result_1_bar, result_2_bar):
     assert slope.shape == result_2_bar.shape, "result_2_bar does not have the shape of the result"
     # reverse sweep
     a_bar = 0.0
-    out_bar = np.zeros_like(out)
-    slope_bar = np.zeros_like(slope)
-    returned_bar = np.zeros_like(returned)
+    out_bar, top = allocate_zeros(arena, top, u.shape)
+    returned_bar, top = allocate_zeros(arena, top, returned.shape)
     for i in range(returned_bar.shape[0]):
         returned_bar_here = 0.0
         # return slope, u[1:], slope
         returned_bar_here += result_1_bar[i]
         seed = returned_bar_here
         u_bar[i + 1] += seed
-    for i in range(slope_bar.shape[0]):
+    for i in range(u.shape[0]):
         slope_bar_here = 0.0
         # return slope, u[1:], slope
         slope_bar_here += result_0_bar[i]
@@ -58,4 +58,11 @@ def kernel_adjoint(u, u_bar, a, result_0_bar, result_1_bar, result_2_bar):
             u_bar[i - 1] = u_bar_held
             u_bar_held = u_bar_held_2
         u_bar[u.size - 1] = u_bar_held
-    return (a_bar,)
+    return a_bar, top
+
+
+def kernel_adjoint(u, u_bar, a, result_0_bar, result_1_bar, result_2_bar):
+    returned = kernel_adjoint_taped(
+        u, u_bar, a, result_0_bar, result_1_bar, result_2_bar, np.empty(0)
+    )
+    return (returned[0],)

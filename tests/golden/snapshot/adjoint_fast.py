@@ -11,13 +11,13 @@ It records:
 
 import numpy as np
 
-from s2sad.runtime import sized  # isort: skip
+from s2sad.runtime import allocate, allocate_zeros, sized  # isort: skip
 
 
-def kernel_adjoint_taped(u, u_bar, dt, steps, u_stack):
-    """Adjoint of kernel: d(u) / d(u), over given stacks."""
+def kernel_adjoint_taped(u, u_bar, dt, steps, u_stack, arena):
+    """Adjoint of kernel: d(u) / d(u), in given memory."""
     # forward sweep: only what the reverse sweep reads
-    du = np.empty_like(u)
+    du, top = allocate(arena, 0, u.shape)
     u_stack = sized(u_stack, (len(range(steps)), u.shape[0]))
     for _ in range(steps):
         for i in range(u.size):
@@ -26,7 +26,7 @@ def kernel_adjoint_taped(u, u_bar, dt, steps, u_stack):
             u_stack[_, i_2] = u[i_2]
             u[i_2] += dt * du[i_2]
     # reverse sweep
-    du_bar = np.zeros_like(du)
+    du_bar, top = allocate_zeros(arena, top, u.shape)
     for _ in range(steps - 1, -1, -1):
         for i_2 in range(u.shape[0]):
             # u += dt * du
@@ -38,8 +38,8 @@ def kernel_adjoint_taped(u, u_bar, dt, steps, u_stack):
             du_bar[i] = 0.0
             u_bar[i] += u[i - 1] * seed
             u_bar[i - 1] += u[i] * seed
-    return (u_stack,)
+    return u_stack, top
 
 
 def kernel_adjoint(u, u_bar, dt, steps):
-    kernel_adjoint_taped(u, u_bar, dt, steps, np.empty((0, 0)))
+    kernel_adjoint_taped(u, u_bar, dt, steps, np.empty((0, 0)), np.empty(0))

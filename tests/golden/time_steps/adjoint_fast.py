@@ -17,7 +17,7 @@ It records:
 
 import numpy as np
 
-from s2sad.runtime import added, revolve  # isort: skip
+from s2sad.runtime import added, allocate, allocate_zeros, revolve  # isort: skip
 
 
 def kernel_k_step(k, u, v, c, energy):
@@ -97,18 +97,25 @@ def kernel_k_loop_adjoint(n, u, u_bar, v, v_bar, c, c_bar, energy, energy_bar, k
     return (c_bar,)
 
 
-def kernel_adjoint(u, u_bar, c, n, result_bar):
+def kernel_adjoint_taped(u, u_bar, c, n, result_bar, arena):
+    """Adjoint of kernel: d(u, return) / d(u, c), in given memory."""
     # forward sweep: only what the reverse sweep reads
-    v = np.empty_like(u)
+    v, top = allocate(arena, 0, u.shape)
     energy = 0.0
-    v_before = np.copy(v)
+    v_before, top = allocate(arena, top, v.shape)
+    v_before[...] = v
     energy_1, kept = kernel_k_loop_forward(n, u, v, c, energy)
     # reverse sweep
     c_bar = 0.0
-    v_bar = np.zeros_like(v)
+    v_bar, top = allocate_zeros(arena, top, u.shape)
     # return energy
     energy_1_bar = result_bar
-    for i in range(v.shape[0]):
+    for i in range(u.shape[0]):
         v[i] = v_before[i]
     (c_bar,) = kernel_k_loop_adjoint(n, u, u_bar, v, v_bar, c, c_bar, energy, energy_1_bar, kept)
-    return (c_bar,)
+    return c_bar, top
+
+
+def kernel_adjoint(u, u_bar, c, n, result_bar):
+    returned = kernel_adjoint_taped(u, u_bar, c, n, result_bar, np.empty(0))
+    return (returned[0],)

@@ -15,7 +15,7 @@ from s2sad.runtime import added, sized  # isort: skip
 
 
 def kernel_adjoint_taped(x, x_bar, a, result_0_bar, result_1_bar, product_stack):
-    """Adjoint of kernel: d(return 0, return 1) / d(x, a), over given stacks."""
+    """Adjoint of kernel: d(return 0, return 1) / d(x, a), in given memory."""
     # forward sweep: only what the reverse sweep reads
     product = a
     product_stack = sized(product_stack, (x.size,))

@@ -14,7 +14,7 @@ from s2sad.runtime import sized  # isort: skip
 
 
 def kernel_adjoint_taped(x, x_bar, x_stack):
-    """Adjoint of kernel: d(x) / d(x), over given stacks."""
+    """Adjoint of kernel: d(x) / d(x), in given memory."""
     # forward sweep: only what the reverse sweep reads
     x_stack = sized(x_stack, (len(range(1, x.shape[0])), x.shape[1]))
     for i in range(1, x.shape[0]):

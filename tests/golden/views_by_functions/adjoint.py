@@ -53,12 +53,8 @@ def kernel_adjoint(dy, dy_bar, y, y_bar, n):
     u_bar[:, 1:] += v[:, :-1] * seed_4
     v_bar[:, :-1] += u[:, 1:] * seed_4
     # du, dv = dy[:n * n].reshape(n, n), dy[n * n:].reshape(n, n)
-    seed_5 = np.copy(dv_bar)
-    dy_bar[n * n:] += np.reshape(seed_5, dy[n * n:].shape)
-    seed_6 = np.copy(du_bar)
-    dy_bar[:n * n] += np.reshape(seed_6, dy[:n * n].shape)
+    dy_bar[n * n:] += np.reshape(dv_bar, dy[n * n:].shape)
+    dy_bar[:n * n] += np.reshape(du_bar, dy[:n * n].shape)
     # u, v = y[:n * n].reshape(n, n), y[n * n:].reshape(n, n)
-    seed_7 = np.copy(v_bar)
-    y_bar[n * n:] += np.reshape(seed_7, y[n * n:].shape)
-    seed_8 = np.copy(u_bar)
-    y_bar[:n * n] += np.reshape(seed_8, y[:n * n].shape)
+    y_bar[n * n:] += np.reshape(v_bar, y[n * n:].shape)
+    y_bar[:n * n] += np.reshape(u_bar, y[:n * n].shape)

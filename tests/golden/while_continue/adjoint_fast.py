@@ -13,7 +13,7 @@ from s2sad.runtime import grow, sized  # isort: skip
 
 
 def kernel_adjoint_taped(x, x_bar, result_bar, k_stack):
-    """Adjoint of kernel: d(return) / d(x), over given stacks."""
+    """Adjoint of kernel: d(return) / d(x), in given memory."""
     # forward sweep: only what the reverse sweep reads
     k = 0
     k_stack = sized(k_stack, (max(64, k_stack.shape[0]),))

@@ -15,7 +15,7 @@ from s2sad.runtime import added, sized  # isort: skip
 
 
 def kernel_adjoint_taped(y, y_bar, x, x_bar, a, result_bar, y_stack):
-    """Adjoint of kernel: d(y, return) / d(y, x, a), over given stacks."""
+    """Adjoint of kernel: d(y, return) / d(y, x, a), in given memory."""
     # forward sweep: only what the reverse sweep reads
     assert y.shape == x.shape, (
         "shapes differ: a length of 1 repeats only where it is "

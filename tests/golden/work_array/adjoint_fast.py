@@ -9,14 +9,17 @@ It records nothing.
 
 import numpy as np
 
+from s2sad.runtime import allocate, allocate_zeros  # isort: skip
 
-def kernel_adjoint(y, y_bar, x, x_bar):
+
+def kernel_adjoint_taped(y, y_bar, x, x_bar, arena):
+    """Adjoint of kernel: d(y) / d(x), in given memory."""
     # forward sweep: only what the reverse sweep reads
-    work = np.empty(2)
+    work, top = allocate(arena, 0, (2,))
     # reverse sweep
-    work_bar = np.zeros_like(work)
+    work_bar, top = allocate_zeros(arena, top, (2,))
     for i in range(x.size - 1, -1, -1):
-        for i_2 in range(work.shape[0]):
+        for i_2 in range(2):
             # work = np.zeros(2)
             work[i_2] = 0.0
         work[0] = x[i] * x[i]
@@ -33,6 +36,11 @@ def kernel_adjoint(y, y_bar, x, x_bar):
         seed_2 = work_bar[0]
         work_bar[0] = 0.0
         x_bar[i] += 2.0 * (x[i] * seed_2) + work[0] * seed
-        for i_2 in range(work.shape[0]):
+        for i_2 in range(2):
             # work = np.zeros(2)
             work_bar[i_2] = 0.0
+    return (top,)
+
+
+def kernel_adjoint(y, y_bar, x, x_bar):
+    kernel_adjoint_taped(y, y_bar, x, x_bar, np.empty(0))

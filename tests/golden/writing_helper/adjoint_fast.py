@@ -34,7 +34,7 @@ def step_adjoint(u, u_bar, k):
 
 
 def kernel_adjoint_taped(u, u_bar, k, steps, u_stack):
-    """Adjoint of kernel: d(u) / d(u, k), over given stacks."""
+    """Adjoint of kernel: d(u) / d(u, k), in given memory."""
     # forward sweep: only what the reverse sweep reads
     u_stack = sized(u_stack, (len(range(steps)),) + u.shape)
     for _ in range(steps):
