@@ -11,7 +11,7 @@ import tempfile
 import threading
 import weakref
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -114,8 +114,9 @@ def _mapped(array: Any, rows: int, folder: str) -> Any:
     if _FILES.now is None:
         return runtime.on_disk(array, rows, folder)
     key = folder, max(1, rows * array.nbytes)
-    if lost := _LOST.get(key):
-        _FILES.now.append(again := lost.pop())
+    with suppress(KeyError, IndexError):    # another thread may take the last one
+        again = _LOST[key].pop()
+        _FILES.now.append(again)
         runtime.extend(again.file, key[1], folder)
         return np.ndarray((rows, *array.shape), array.dtype, again.content())
     _FILES.now.append(new := _MappedFile(tempfile.TemporaryFile(dir=folder), key))
