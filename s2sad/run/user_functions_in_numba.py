@@ -101,15 +101,14 @@ def compilable(units: Units) -> None:
     """Refuses, at its place, each call of a registered function that Numba cannot compile; raises S2sadError."""
     for unit in units.made.values():
         report = Report(unit.kernel.source)
+        calls = {call_name(n) or "": n for tree in (unit.function, unit.kernel.tree) for n in walk(tree)
+                 if isinstance(n, Call)}                # at its place in the user's text, where it is there
         types = {call_name(n): tuple(map(unit.typing.of, n.args)) for n in walk(unit.function) if isinstance(n, Call)}
-        for node in walk(unit.kernel.tree):
-            name = call_name(node) or ""
-            if not isinstance(node, Call) or not name.startswith(ROOM):
-                continue
+        for name in sorted(n for n in calls if n.startswith(ROOM) and n in types):
+            node = calls[name]
             for rule in GIVEN.closure([name[len(ROOM):]]):
                 own = ROOM + rule.path == name
-                taken = types.get(name, ()) if own else None
-                if not _compiles(rule, taken):
+                if not _compiles(rule, types[name] if own else None):
                     whose = "" if own else ", which the derivative calls"
                     report.error("S407", f"Numba cannot compile '{rule.path}'{whose}", node,
                                  help='engine="numpy" calls it as it is')

@@ -546,6 +546,26 @@ def test_a_derivative_of_the_users_own():
         "  help: leave the loop out of 'checkpoint'")
 
 
+@s2sad.rule(a="b", b="a")
+def not_compiled(a, b):
+    return eval("a * b")
+
+
+def calls_not_compiled(u, c, n):
+    for k in range(n):
+        u[k] = not_compiled(u[k], c)
+    return np.sum(u)
+
+
+def test_a_rule_that_numba_cannot_compile_is_refused_at_its_call():
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(s2sad.differentiate(calls_not_compiled, engine="numba", checkpoint={"k": 2}), wrt="u")(
+            np.ones(4), 0.5, 4)
+    said = str(caught.value)
+    assert f"error[S407]: Numba cannot compile '{__name__}.not_compiled'\n" in said
+    assert f"|         u[k] = not_compiled(u[k], c)\n      |                {21 * '^'}\n" in said
+
+
 def said_how_often(u, n):
     for _k in timesteps(range(n), "often"):
         u *= 0.5

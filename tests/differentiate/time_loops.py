@@ -5,6 +5,8 @@ import inspect
 
 import numpy as np
 
+import s2sad
+
 
 def smooth(v, u, c):
     for i in range(1, u.size - 1):
@@ -230,6 +232,27 @@ def linear_left(u, c, n):
     return np.sum(u) * c
 
 
+@s2sad.nondifferentiable
+def cosine_times(a, b):
+    return np.cos(a) * b
+
+
+@s2sad.rule(a="cosine_times(a, b)", b="np.sin(a)")
+def sine_times(a, b):
+    return np.sin(a) * b
+
+
+def by_rules(u, c, n):
+    for k in range(n):
+        by_a_rule(u, c, k)
+        u[0] = sine_times(u[0], cosine_times(0.1 * k, 1.0))
+    return np.sum(u * u)
+
+
+def by_a_rule(u, c, k):
+    u[k % u.size] = sine_times(u[k % u.size], c) + 0.5 * u[0]
+
+
 def _while_of(kernel) -> str:
     """What a user calls the `while` of a kernel."""
     lines, first = inspect.getsourcelines(kernel)
@@ -244,4 +267,5 @@ LOOPS = {
     until_a_time: (_while_of(until_a_time),), part_of_one_element: ("i",), row_of_means: ("_k",),
     complex_numbers: ("k",), solutions: ("_k",), endless: (_while_of(endless),),
     linear: ("k",), linear_until: (_while_of(linear_until),), linear_left: ("k",),
+    by_rules: ("k",),
 }
