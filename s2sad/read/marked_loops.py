@@ -1,6 +1,7 @@
 """marked_loops: loops of which the text says that they keep snapshots are loops over the range alone.
 
     for k in s2sad.timesteps(range(n), snapshots=20):       for k in range(n):
+    for t in enumerate(timesteps(times, snapshots=20)):     for t in enumerate(times):
 
 `snapshots` may also be s2sad.Snapshots(20, on_disk="/scratch").
 
@@ -17,19 +18,20 @@ from s2sad.program import Snapshots, SourcePlace
 from s2sad.read.outside_values import AST, Captured, ModuleValue, dotted
 
 _MARK = "timesteps"
+_THROUGH = ("enumerate", "zip", "reversed")
 
 
 def unmarked(captured: Captured) -> Captured:
     """The definition without such marks."""
     if _MARK not in captured.source.text or not any(map(_marked, tree.walk(captured.tree))):
         return captured
-    marked = {name for n in tree.walk(captured.tree) if (call := _marked(n)) is not None and _is_ours(
-        name := tree.written(call.func), captured)}
+    ours = {name: _is_ours(name, captured) for n in tree.walk(captured.tree) if (call := _marked(n)) is not None
+            and (name := tree.written(call.func))}
     made = tree.copy(captured.tree)
     for node in tree.walk(made):
         call = _marked(node)
-        if call is not None and tree.written(call.func) in marked:
-            node.iter = call.args[0]
+        if call is not None and ours[tree.written(call.func)]:
+            node.iter = tree.rebuild(node.iter, lambda n, call=call: call.args[0] if n is call else None)
     return replace(captured, tree=made)
 
 
@@ -66,11 +68,16 @@ def _snapshots(said: AST) -> Snapshots | None:
 
 
 def _marked(node: AST) -> tree.Call | None:
-    """The mark of a loop."""
-    call = node.iter if isinstance(node, tree.For) else None
-    if not isinstance(call, tree.Call) or not call.args:
-        return None
-    return call if tree.written(call.func).rpartition(".")[2] == _MARK else None
+    """The mark of a loop: what it goes through, or one of those that are counted or gone through at once."""
+    waiting = [node.iter] if isinstance(node, tree.For) else []
+    while waiting:
+        call = waiting.pop()
+        if isinstance(call, tree.Call) and call.args:
+            called = tree.written(call.func).rpartition(".")[2]
+            if called == _MARK:
+                return call
+            waiting += call.args if called in _THROUGH else []
+    return None
 
 
 def _is_ours(name: str, captured: Captured) -> bool:

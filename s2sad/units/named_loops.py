@@ -1,11 +1,12 @@
 """named_loops: the loops of a program that keep snapshots, found by what a user calls them.
 
-    "k"             the loop over k of the function that is differentiated
+    "k"             the loop over k of the function that is differentiated: for k in ..., for k, x in enumerate(...)
     "advance.k"     the one of a function that it calls
     "line 14"       the loop that begins in this line
 """
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
@@ -16,13 +17,21 @@ from s2sad.tree import AST, For, Name, While, walk, walk_statements
 
 Place = tuple[str, int, int]
 
+_TARGET = re.compile(r"for\b(.+?)\bin\b")
+_NAME = re.compile(r"\b[^\W\d]\w*")
+
 
 @dataclass(frozen=True)
 class NamedLoop:
-    """A loop of a kernel, with the names of its counters (none of a `while`)."""
+    """A loop of a kernel."""
     kernel: Kernel
     node: AST
-    counters: tuple[str, ...]
+
+    @property
+    def counters(self) -> tuple[str, ...]:
+        """What the loop binds for each step, by the user's names (nothing if it is a `while`)."""
+        return _bound_at(self.place) or (
+            tuple(n.id for n in walk(self.node.target) if isinstance(n, Name)) if isinstance(self.node, For) else ())
 
     @property
     def place(self) -> SourcePlace:
@@ -60,8 +69,7 @@ def check_outlined(program: Program, kept: Collection[Place], there: Collection[
     """Refuses a loop of the program that is to keep snapshots and is not there any more where derivatives are made."""
     for loop in loops_of(program):
         if place_of(loop) in kept and place_of(loop) not in there:
-            raise S2sadError(Diagnostic("S408", "this loop is written out before the run, and keeps no snapshots",
-                                        loop.place.span(), help="leave it out of 'checkpoint'"))
+            raise _keeps_none(loop.place)
 
 
 def user_names(program: Program) -> Mapping[Place, str]:
@@ -89,10 +97,26 @@ def place_of(loop: NamedLoop) -> Place:
 def loops_of(program: Program) -> list[NamedLoop]:
     """The loops of all functions of a program, those of the entry first."""
     kernels = sorted(program.kernels.values(), key=lambda k: k.name != program.entry)
-    return [NamedLoop(kernel, node, tuple(n.id for n in walk(node.target) if isinstance(n, Name))
-                      if isinstance(node, For) else ())
-            for kernel in kernels for node in walk_statements(kernel.tree.body)
+    return [NamedLoop(kernel, node) for kernel in kernels for node in walk_statements(kernel.tree.body)
             if isinstance(node, (For, While)) and getattr(node, "lineno", None)]
+
+
+def _bound_at(place: SourcePlace) -> tuple[str, ...]:
+    """The names that the loop at a place of the user's text binds for each step."""
+    head = _TARGET.match(place.text[place.column:])
+    return tuple(_NAME.findall(head[1])) if head else ()
+
+
+def _written_out(program: Program, name: str) -> SourcePlace | None:
+    """The place of the loop of that name of the user's which the evaluator has written out."""
+    unrolled = program.evaluation.unrolled if program.evaluation is not None else ()
+    counter = name.rpartition(".")[2]
+    return next((p for p, _ in unrolled if name == f"line {p.line}" or counter in _bound_at(p)), None)
+
+
+def _keeps_none(place: SourcePlace) -> S2sadError:
+    return S2sadError(Diagnostic("S408", "this loop is written out before the run, and keeps no snapshots",
+                                 place.span(), help="leave it out of 'checkpoint'"))
 
 
 def _refused(program: Program, name: str, loops: list[NamedLoop], there: list[NamedLoop]) -> S2sadError:
@@ -100,6 +124,9 @@ def _refused(program: Program, name: str, loops: list[NamedLoop], there: list[Na
         lines = ", ".join(dict.fromkeys(f'"line {loop.place.line}"' for loop in loops))
         return S2sadError(Diagnostic("S408", f"checkpoint names {name!r}, and {len(loops)} loops of '{program.entry}' "
                                      "are called so", loops[0].place.span(), help=f"say which one: {lines}"))
+    place = _written_out(program, name)
+    if place is not None:
+        return _keeps_none(place)
     shown = ", ".join(dict.fromkeys(loop.shown(program.entry) for loop in there))
     listed = f"its loops are {shown}" if shown else "it has no loops"
     return S2sadError(Diagnostic("S408", f"checkpoint names {name!r}, which is no loop of '{program.entry}'",
