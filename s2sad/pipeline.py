@@ -48,7 +48,7 @@ from s2sad.tree import FunctionDef, Name, user_call, walk
 from s2sad.units import Place, UnitDerivative, Unit, Units, check_outlined, loops_that_keep, user_names
 from s2sad.units.bounds import index_limits
 from s2sad.units.nested_derivatives import (
-    differentiated_program, nested_call, nested_request, with_derivative,
+    differentiated_program, nested_call, nested_request, settled, types_of_inner, with_derivative,
 )
 from s2sad.units.fast_functions import aliased_derivatives, fast, fast_primal, fast_sweeps
 from s2sad.units.rounded_tapes import refuse_unrounded
@@ -278,11 +278,12 @@ def normal_form(program: Program, types: tuple[Type, ...], engine: str, watch: W
 def derivative_made(program: Program, unmade: UnmadeDerivative, engine: str) -> Program:
     """The program in which a kernel that stands for a derivative calls its text."""
     nested = nested_call(program, unmade.kernel)
-    inner, request = differentiated_program(program, nested), nested_request(nested, unmade.types, engine)
-    made = derive(inner, request)
+    inner = differentiated_program(program, nested)
+    about = summary(inner, types_of_inner(nested, unmade.types))
+    nested = settled(nested, unmade.types, about)
+    made = derive(inner, nested_request(nested, unmade.types, engine))
     text = load(made.text, made.entry)
-    return with_derivative(program, nested, unmade.types, made, read_function(getattr(text, made.entry)),
-                           summary(inner, request.types))
+    return with_derivative(program, nested, unmade.types, made, read_function(getattr(text, made.entry)), about)
 
 
 def evaluated_form(program: Program, types: tuple[Type, ...], engine: str, watch: Watch, refused: S2sadError

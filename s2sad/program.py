@@ -24,13 +24,16 @@ class NestedDerivative:
     """A derivative that a kernel calls: in the tree of the kernel that stands for it, a call of the function that is
     differentiated, and what its own results are like. By position among that one's parameters are what it is with
     respect to and of (-1: what is returned); `with_value`: what is returned comes first; `seeded`: seeds are its
-    last parameters, as directions are of a tangent, else they are 1. `types` are those that it is made for already."""
+    last parameters, as directions are of a tangent, else they are 1; a `matrix` is made of all unit ones. `made` names
+    the kernel for each set of types that it is made for already, `standing` is the tree that stands for it."""
     mode: str
     wrt: tuple[int, ...]
     of: tuple[int, ...]
     with_value: bool = False
     seeded: bool = False
-    types: tuple[Type, ...] | None = None
+    matrix: bool = False
+    made: tuple[tuple[tuple[Type, ...], str], ...] = ()
+    standing: FunctionDef | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -160,18 +163,19 @@ class UnmadeDerivative(Exception):
         self.kernel, self.types = kernel, types
 
 
-def made_derivative(kernel: Kernel, types: tuple[Type, ...]) -> None:
-    """Raises unless a kernel can be called with arguments of these types: one that stands for a derivative is made
-    for those of its first call."""
+def for_types(kernel: Kernel, types: tuple[Type, ...]) -> str:
+    """The kernel that is called with arguments of these types: one that stands for a derivative is made for each set.
+    Raises where it is to be made first."""
     nested = kernel.nested
-    if nested is None or nested.types == types:
-        return
-    if nested.types is None and not any(t.kind == "unknown" for t in types):
-        raise UnmadeDerivative(kernel.name, types)
-    given = ", ".join(map(str, types))
-    there = "" if nested.types is None else f", and with ({', '.join(map(str, nested.types))})"
-    raise S2sadError(Diagnostic("S203", f"the derivative '{kernel.name}' is called with ({given}){there}",
-                                help="call it with arguments of one type, from a function for each type"))
+    if nested is None:
+        return kernel.name
+    found = dict(nested.made).get(types)
+    if found is not None:
+        return found
+    if any(t.kind == "unknown" for t in types):
+        raise S2sadError(Diagnostic("S203", f"the derivative '{kernel.name}' is called with ("
+                                    f"{', '.join(map(str, types))})", help="call it with arguments of known types"))
+    raise UnmadeDerivative(kernel.name, types)
 
 
 Table = tuple[tuple[int, int], ...]

@@ -21,7 +21,7 @@ from s2sad.normalize.dtypes.complex_support import refuse_own_derivative
 from s2sad.normalize.dtypes.float32_promotion import makes_singles
 from s2sad.normalize.dtypes.weak_results import KnownResults
 from s2sad.passes import Pass, Passes, Watch, run, unwatched
-from s2sad.program import Kernel, Program, Snapshots, made_derivative
+from s2sad.program import Kernel, Program, Snapshots, for_types
 from s2sad.simplify import Effect, Effects
 from s2sad.simplify.remove_marks import remove_marks
 from s2sad.tree import (
@@ -90,12 +90,12 @@ class NormalForms(Calls):
                 return self.titled[kernel]
             pairs = self.titled[kernel].pairs
         kernel = self.titled[kernel].kernel.name if kernel in self.titled else kernel
+        kernel = for_types(self.program.kernels[kernel], types)
         key = (kernel, types, pairs)
         if key not in self.made:
             others = sum(k == kernel for k, _, _ in self.made)
             title = self.titles.fresh(f"{kernel}_{others + 1}") if others else kernel
             source = self.program.kernels[kernel]
-            made_derivative(source, types)
             unit = self._normalized(specialized(source, pairs) if pairs else source, types, title)
             unit.pairs = pairs
             self._enter(key, unit)

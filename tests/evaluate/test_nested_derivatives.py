@@ -90,3 +90,21 @@ def test_functions_that_are_made_where_they_are_called(nested, by_hand, engine):
     np.testing.assert_allclose(found["x"], wanted["x"], rtol=1e-13)
     assert found["k"] == pytest.approx(wanted["k"], rel=1e-13)
     assert tangent == pytest.approx(np.dot(wanted["x"], X ** 2) + wanted["k"], rel=1e-13)
+
+
+def triples(x):
+    return np.array([x[0] * x[1], x[1] * x[1], x[0]])
+
+
+def of_singles(x, k):
+    return k * s2sad.jacobian(triples)(x)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_jacobians_of_singles_are_singles(engine):
+    x = np.array([0.3, 0.7], np.float32)
+    with running(engine) as run_under:
+        f = s2sad.differentiate(of_singles, engine=run_under)
+        found = s2sad.jvp(f, (x, np.float32(2.0)), {"x": np.array([1.0, 0.5], np.float32)})["return"]
+    assert found.dtype == np.float32
+    np.testing.assert_array_equal(found, np.array([[1.0, 2.0], [0.0, 2.0], [0.0, 0.0]], np.float32))

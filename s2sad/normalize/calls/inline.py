@@ -39,7 +39,7 @@ from s2sad.normalize.calls.destination_passing import (
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.live_range_splitting import split_live_ranges
 from s2sad.normalize.buffers.argument_rotation import rotated
-from s2sad.program import Kernel, Program, SourcePlace, made_derivative
+from s2sad.program import Kernel, Program, SourcePlace, for_types
 from s2sad.tree import (
     AST, Assign, Call, Compare, Constant, Eq, Expr, For, FunctionDef, If, Name, Not, NotEq, Return, Store, Tuple,
     UnaryOp, While, assign, at, copy, function, name, names, rebuild, stored_names, tuple_of, user_call,
@@ -61,7 +61,7 @@ class Helpers:
 
     def destination(self, kernel: str, types: tuple[Type, ...]) -> DestinationVersion | None:
         """The function that writes what this one returns, if it stays a function."""
-        made_derivative(self.program.kernels[kernel], types)
+        kernel = for_types(self.program.kernels[kernel], types)
         if (kernel, types) not in self._destinations:
             self._destinations[kernel, types] = destination_passing(
                 self.program.kernels[kernel], self.owned_results(kernel, types), self.results(kernel, types),
@@ -71,7 +71,7 @@ class Helpers:
     def owned_results(self, kernel: str, types: tuple[Type, ...]) -> OwnedResults:
         """What a function returns of its own."""
         if (kernel, types) not in self._own:
-            tree = self.tree(kernel)
+            tree = self.tree(kernel, types)
             tree, typing = self.typing(tree, dict(zip((p.id for p in tree.args.args), types)), self.program.kernels[
                 kernel].source, Names(n.id for n in walk(tree) if isinstance(n, Name)))
             self._own[kernel, types] = OwnedResults(tree, typing, lambda called: self.shapes(called, typing))
@@ -86,10 +86,16 @@ class Helpers:
         arguments = dict(zip((p.id for p in found.tree.args.args), called.args))
         return [None if s is None else with_arguments(s, arguments) for s in found.shapes]
 
-    def tree(self, kernel: str) -> FunctionDef:
-        if kernel not in self._trees:
-            self._trees[kernel] = self._structured(self.program.kernels[kernel], Names(), self.program)
-        return self._trees[kernel]
+    def tree(self, kernel: str, types: tuple[Type, ...] | None = None) -> FunctionDef:
+        """A function; of one that stands for a derivative that which is made for these types, or what stands for it."""
+        source, key = self.program.kernels[kernel], kernel
+        if types is not None and source.nested is not None:
+            made = dict(source.nested.made).get(types)
+            source = self.program.kernels[made] if made else replace(source, tree=source.nested.standing or source.tree)
+            key = made or f"{kernel} stands"
+        if key not in self._trees:
+            self._trees[key] = self._structured(source, Names(), self.program)
+        return self._trees[key]
 
     def typing(self, tree: FunctionDef, types: Mapping[str, Type], source: Source,
                free: Names) -> tuple[FunctionDef, Typing]:
@@ -101,8 +107,8 @@ class Helpers:
 
     def written(self, kernel: str, types: tuple[Type, ...]) -> FunctionDef:
         """The function that is inlined for arguments of these types."""
-        made_derivative(self.program.kernels[kernel], types)
-        tree, source = self.tree(kernel), self.program.kernels[kernel].source
+        kernel = for_types(self.program.kernels[kernel], types)
+        tree, source = self.tree(kernel, types), self.program.kernels[kernel].source
         free = Names(n.id for n in walk(tree) if isinstance(n, Name))
         tree, typing = self.typing(tree, dict(zip((p.id for p in tree.args.args), types)), source, free)
         return rotated(tree, typing, free, within=True)
@@ -114,7 +120,7 @@ class Helpers:
         if own is not None and "primal" in own.functions:
             return (FLOAT,) * own.returns  # it is not read
         if key not in self._results:
-            tree = self.tree(kernel)
+            tree = self.tree(kernel, types)
             parameters = dict(zip((p.id for p in tree.args.args), types))
             tree, typing = self.typing(tree, parameters, self.program.kernels[kernel].source, Names(
                 n.id for n in walk(tree) if isinstance(n, Name)))

@@ -79,7 +79,7 @@ class WeakResults:
         if given is None or given.own is not None:
             return None
         if key not in self.known.read:
-            tree = self.helpers.tree(kernel)
+            tree = self.helpers.tree(kernel, types)
             free = Names(n.id for n in walk(tree) if isinstance(n, Name))
             self.known.read[key] = self.helpers.typing(
                 tree, dict(zip((p.id for p in tree.args.args), types)), given.source, free)

@@ -234,11 +234,11 @@ class _ListOperators:
         source = self.helpers.program.kernels.get(kernel)
         if source is None or source.own is not None or kernel in self.callers:
             return source is not None and source.own is not None
-        tree = self.helpers.tree(kernel)
+        types = tuple(map(self.typing.argument, node.args))
+        tree = self.helpers.tree(kernel, types)
         parameters = [p.id for p in tree.args.args]
         free = Names(n.id for n in walk(tree) if isinstance(n, Name))
-        types = dict(zip(parameters, map(self.typing.argument, node.args)))
-        tree, typing = self.helpers.typing(tree, types, source.source, free)
+        tree, typing = self.helpers.typing(tree, dict(zip(parameters, types)), source.source, free)
         inner = _ListOperators(tree, typing, self.helpers, Report(source.source), dict(zip(parameters, passed)),
                                (*self.callers, kernel))
         inner.function()

@@ -1,4 +1,4 @@
-"""derivative_calls: derivatives that are called in what is evaluated: s2sad.gradient(f)(x), vjp, jvp, hvp.
+"""derivative_calls: derivatives that are called in what is evaluated: s2sad.gradient(f)(x), vjp, jvp, hvp, jacobian.
 
     g = s2sad.gradient(energy, "x")(x, k)       ->      g = energy_adjoint(x, k)
 
@@ -26,7 +26,10 @@ from s2sad.read.outside_values import UserFunctionValue
 from s2sad.tree import AST
 
 _RETURN = "return"
-_NOT_HERE = ("checkpoint", "memory", "tape_dtype", "batch")
+_MODES = {"auto": "auto", "forward": "tangent", "reverse": "adjoint"}
+_RECORDS, _DENSE = "the loops of what is differentiated record", "the matrix is dense, filled by one product at a time"
+_NOT_HERE = {**dict.fromkeys(("checkpoint", "memory", "tape_dtype", "batch"), _RECORDS),
+             **dict.fromkeys(("sparse", "format", "check"), _DENSE)}
 
 
 @dataclass(frozen=True)
@@ -110,13 +113,36 @@ def _hvp(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Va
     return _tangent(ev, replace(inner, name=gradient), along, (_RETURN,), node)[0]
 
 
+@function("s2sad.jacobian")
+def _jacobian(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    of, wrt, wanted, mode = _arguments(ev, "jacobian", ("f", "wrt", "of", "mode"), args, options, node)
+    return LibraryValue("s2sad.called.jacobian", (of, wrt, wanted, mode))
+
+
+@function("s2sad.called.jacobian")
+def _called_jacobian(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    of, wrt, wanted, mode, *given = args
+    inner = _inner(ev, of, given, options, node, f)
+    outputs = _known_names(ev, wanted, inner, node) or (_RETURN,)
+    asked = _names(ev, wrt, inner, node, {*outputs})
+    if len(asked) != 1 or len(outputs) != 1:
+        raise ev.refusal(node, "a Jacobian of several outputs, or with respect to several arguments, is not supported",
+                         help='call it for each: wrt="x", of="y"')
+    by = "auto" if _is_none(mode) else ev.known(mode, node, "the mode of a Jacobian")
+    if by not in _MODES:
+        raise ev.refusal(node, f"there is no mode {by!r}", help='"auto", "forward" or "reverse"')
+    nested = NestedDerivative(_MODES[by], _places(inner, asked, ev, node), _places(inner, outputs, ev, node),
+                              matrix=True)
+    return _results(ev, inner, nested, [], ["jacobian"], node)[0]
+
+
 def _arguments(ev: Evaluator, title: str, names: Sequence[str], args: Args, options: Options, node: AST) -> list[Value]:
     """The arguments by name, None for what is not given."""
     given = {**dict(zip(names, args)), **options}
     wrong = next((k for k in given if k not in names), None)
     if len(args) > len(names) or wrong is not None:
         what = f"'{wrong}' of s2sad.{title}" if wrong else f"{len(args)} arguments of s2sad.{title}"
-        advice = "leave it out: the loops of what is differentiated record" if wrong in _NOT_HERE else ""
+        advice = f"leave it out: {_NOT_HERE[wrong]}" if wrong in _NOT_HERE else ""
         raise ev.refusal(node, f"{what} is not supported in a kernel", help=advice)
     return [given.get(name, NONE) for name in names]
 
@@ -238,9 +264,14 @@ def _results(ev: Evaluator, inner: _Inner, nested: NestedDerivative, seeds: list
     targets = list(map(tree.name, words))
     call = tree.at(tree.Call(tree.at(tree.name(called), node), arguments, []), node)
     ev.emit(tree.assign(targets[0] if len(targets) == 1 else tree.tuple_of(*targets), call), node)
-    places = [-1] * nested.with_value + list(nested.wrt if nested.mode == "adjoint" else nested.of)
+    places = [-1] * (nested.with_value + nested.matrix) + [*_like(nested)]
     return [Data(tree.at(tree.name(w), node), shape=None if k < 0 else inner.given[k].shape)
             for w, k in zip(words, places)]
+
+
+def _like(nested: NestedDerivative) -> tuple[int, ...]:
+    """What results of a derivative are like, or what the axes of a matrix are like."""
+    return (*nested.of, *nested.wrt) if nested.matrix else nested.wrt if nested.mode == "adjoint" else nested.of
 
 
 def _stands_for(ev: Evaluator, inner: _Inner, nested: NestedDerivative, node: AST) -> str:
@@ -255,7 +286,9 @@ def _stands_for(ev: Evaluator, inner: _Inner, nested: NestedDerivative, node: AS
         value = names.fresh("value")
         called = tree.call(inner.name, *map(tree.name, inner.parameters))
         like = [tree.name(value) if k < 0 else tree.binary(tree.const(0.0), tree.Mult(), tree.name(
-            inner.parameters[k])) for k in (nested.wrt if nested.mode == "adjoint" else nested.of)]
+            inner.parameters[k])) for k in _like(nested)]
+        if nested.matrix:
+            like = [tree.call("numpy.multiply.outer", *like)]
         results = [*([tree.name(value)] if nested.with_value else []), *like]
         body = [tree.assign(value, called) if inner.returns else tree.Expr(called),
                 tree.Return(results[0] if len(results) == 1 else tree.tuple_of(*results))]

@@ -46,7 +46,8 @@ def title_functions(ev: Evaluator, body: Sequence[AST], taken: Sequence[str]) ->
                 called, function = meaning.handle.called, meaning.handle.tree
                 owner = f"{called.owner.name}_" if called.owner is not None else ""
                 nested = meaning.handle.nested
-                word = "" if nested is None else "_gradient" if nested.mode == "adjoint" else "_derivative"
+                word = "" if nested is None else "_jacobian" if nested.matrix else (
+                    "_gradient" if nested.mode == "adjoint" else "_derivative")
                 function.name = titles.numbered(f"{owner}{called.captured.name}{word}")
                 ev.outside[n.func.id] = replace(meaning, name=function.name)
                 visit(function.body)
