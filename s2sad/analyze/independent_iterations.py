@@ -2,16 +2,16 @@
 one iteration.
 
 Requires the structure table. What flows from iteration to iteration is recorded where an iteration begins: nothing if
-the iterations are independent (Hascoet, Pascual, TOMS 39, 2013: II-LOOP, here found instead of declared), else
-snapshots of arrays and the carried numbers (Griewank, Walther, Evaluating Derivatives, 2008, chapter 12: each iteration
-starts from a checkpoint).
+the iterations are independent (Hascoet, Pascual, TOMS 39, 2013: II-LOOP, here found instead of declared) or hand on
+what they store in cells that nothing overwrites, as a trajectory is; else snapshots of arrays and the carried numbers
+(Griewank, Walther, Evaluating Derivatives, 2008, chapter 12: each iteration starts from a checkpoint).
 """
 from __future__ import annotations
 
 from s2sad import rules
 from s2sad.analyze.dependence import ArrayReference
 from s2sad.liveness import base_name
-from s2sad.analyze.recording_plan import RecordingProblem
+from s2sad.analyze.recording_plan import IterationState, RecordingProblem
 from s2sad.analyze.reallocated_arrays import allocation_loops, is_carried, outlives_loop
 from s2sad.analyze.program_structure import StatementPlace, ProgramStructure, heads
 from s2sad.analyze.trip_counts import invariant_trip_counts
@@ -20,8 +20,8 @@ from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, Call, For, While, call_name, dump, user_call, walk
 
 
-def snapshot_arrays(loop: For, problem: RecordingProblem) -> list[str] | None:
-    """The arrays of which an iteration of a loop needs snapshots to run again; None if none can run again."""
+def iteration_state(loop: For, problem: RecordingProblem) -> IterationState | None:
+    """The arrays through which the iterations of a loop hang together; None if none can run again."""
     structure, typing = problem.structure, problem.structure.typing
     inner = structure.inner[id(loop)]
     if not any(isinstance(p.statement, (For, While)) or not structure.is_simple(p.statement) for p in inner):
@@ -34,12 +34,15 @@ def snapshot_arrays(loop: For, problem: RecordingProblem) -> list[str] | None:
     if any(outlives_loop(structure, array) or is_carried(structure, array, loop) for array in own):
         return None                                     # the last array's shadow is in use before the loop is reversed
     written = {base_name(t) for p in inner for t in problem.stores(p.statement)} - own
-    flowing = [array for array in sorted(written) if not _private(array, loop, inner, problem)]
+    handed_on = [array for array in sorted(written) if not _private(array, loop, inner, problem)]
+    persistent = tuple(array for array in handed_on if _persistent(array, loop, problem))
+    flowing = tuple(array for array in handed_on if array not in persistent)
     around = (*structure.place(loop).loops, loop)
     if flowing and (any(allocation_loops(structure, array) for array in flowing)
                     or invariant_trip_counts(structure, around, around[0]) is None):
         return None
-    return flowing
+    return IterationState(loop, flowing, persistent, frozenset(
+        id(s) for array in persistent for s in _settled(_stores(array, loop, problem), problem)))
 
 
 def is_expensive(loop: For, structure: ProgramStructure) -> bool:
@@ -77,6 +80,33 @@ def _private(array: str, loop: For, inner: list[StatementPlace], problem: Record
             if part is not None and all(p.order > place.order and _after(p, x, place, target, loop) for p, x in inside):
                 parts.append(part)
     return problem.dependence.covers_together(array, parts)
+
+
+def _persistent(array: str, loop: For, problem: RecordingProblem) -> bool:
+    """Whether all that reads an array, of the primal and of adjoints, until the loop has been reversed, finds there
+    what it found first, though iterations run again: no store of the loop is to a cell that was read before, and each
+    gives its cell what it gave it the first time."""
+    within = {p.order for p in problem.structure.inner[id(loop)]}
+    stores = _stores(array, loop, problem)
+    if any(not isinstance(x.statement, Assign) or user_call(x.statement.value) for x in stores):
+        return False
+    start, around = problem.structure.place(loop).order, problem.structure.place(loop).loops
+    loads = [(p, x, True) for p, x in problem.loads.get(array, ())]
+    loads += [(p, x, not problem.after(p.statement)) for p, x in problem.adjoint_loads.get(array, ())]
+    before = [(ArrayReference.to(x, p.statement), same) for p, x, same in loads
+              if around or p.order in within or p.order < start]
+    return not any(problem.dependence.may_overwrite(x, t, same=same) for x, same in before for t in stores)
+
+
+def _stores(array: str, loop: For, problem: RecordingProblem) -> list[ArrayReference]:
+    """The stores of a loop to an array."""
+    return [ArrayReference.to(t, p.statement) for p in problem.structure.inner[id(loop)]
+            for t in problem.stores(p.statement) if base_name(t) == array]
+
+
+def _settled(stores: list[ArrayReference], problem: RecordingProblem) -> list[AST]:
+    """The statements whose cells no store overwrites after them."""
+    return [x.statement for x in stores if not any(problem.dependence.may_overwrite(x, y) for y in stores)]
 
 
 def _is_result(statement: AST, array: str) -> bool:

@@ -1,7 +1,7 @@
 """recording_plan: the problem of recording, and its solution: what is recorded, recomputed and run again."""
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeVar
@@ -43,6 +43,17 @@ class Snapshot:
 
 
 @dataclass(frozen=True)
+class IterationState:
+    """What the iterations of a loop that can run again hand on: in arrays that are overwritten (`flowing`), and in
+    cells that keep what they are given until nothing reads them (`persistent`). The `settled` stores give the latter
+    what no other store of the loop overwrites: they need not run again."""
+    loop: AST
+    flowing: tuple[str, ...]
+    persistent: tuple[str, ...]
+    settled: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True)
 class Shift:
     """A carried number that is what an element held which the iteration before overwrote: its record serves both.
     `start` is the number's name before the loop."""
@@ -53,14 +64,14 @@ class Shift:
 
 @dataclass
 class RecordingPlan:
-    """The table. Keys are ids of statements and blocks of the function that was analysed: `reversed` are the compound
+    """The table. Keys are ids of statements and blocks of the function that was analysed: `rerun` are the loops that
+    run again, `reversed` the compound
     statements with something to reverse, `reallocated` the allocations in loops whose arrays the reverse sweep binds
     again, `after` the statements whose adjoints run in the state that they leave, `halves` the calls whose adjoints are
     the sweeps of a function, of which the tapes are kept (`tapes` is their weight), `unread` those that the forward
     sweep leaves out. `dtypes` are those of entries that
     take less than what is recorded, by its key, `exact` has the statements for whose sake floats are not rounded."""
-    rerun: frozenset[int] = frozenset()
-    snapshots: tuple[Snapshot, ...] = ()
+    rerun: Mapping[int, IterationState] = field(default_factory=dict)
     values: dict[str, ReverseValue] = field(default_factory=dict)
     recorded: dict[str, ReverseValue] = field(default_factory=dict)
     stores: dict[str, Store] = field(default_factory=dict)
@@ -79,6 +90,11 @@ class RecordingPlan:
     unread: frozenset[int] = frozenset()
     tapes: int = 0
     readers: dict[str, list[AST]] = field(default_factory=dict)
+
+    @property
+    def snapshots(self) -> list[Snapshot]:
+        """What is kept of the arrays that flow between the iterations of loops that run again."""
+        return [Snapshot(state.loop, array) for state in self.rerun.values() for array in state.flowing]
 
 
 @dataclass
@@ -104,6 +120,13 @@ class RecordingProblem:
         """The references that read an array, allocations apart, by its name, with where they are."""
         places = [p for p in self.structure.places.values() if not is_allocation(p.statement)]
         return by_key(((p, x) for p in places for x in reads(p.statement, self.structure.typing)),
+                      lambda found: base_name(found[1]))
+
+    @cached_property
+    def adjoint_loads(self) -> dict[str, list[tuple[StatementPlace, AST]]]:
+        """The references that adjoints read an array by, by its name, with the places of their statements."""
+        places = [p for p in self.structure.places.values() if self.active(p.statement)]
+        return by_key(((p, x) for p in places for x in self.uses(p.statement).loads),
                       lambda found: base_name(found[1]))
 
 

@@ -5,6 +5,7 @@ iteration begins (`name@in`). Its home is the block that binds it.
 """
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from s2sad.analyze.program_structure import ProgramStructure
@@ -73,7 +74,7 @@ class ReverseValues:
         common = [s for s in chains[0] if all(any(s is t for t in c) for c in chains[1:])]
         return next(s for s in reversed(common) if isinstance(s, If))
 
-    def transient(self, value: ReverseValue, rerun: frozenset[int]) -> bool:
+    def transient(self, value: ReverseValue, rerun: Collection[int]) -> bool:
         """Whether later iterations overwrite a value before the reverse sweep reads it."""
         if value.kind == "carried":
             return True

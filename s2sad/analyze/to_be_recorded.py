@@ -23,7 +23,7 @@ from s2sad.analyze.recording.adjoint_liveness import unread_stores
 from s2sad.analyze.callee_derivatives import CalleeDerivative, call_adjoint, call_uses, is_kernel_call
 from s2sad.analyze.context import AnalysisContext
 from s2sad.analyze.dependence import Dependence
-from s2sad.analyze.independent_iterations import carries, is_expensive, snapshot_arrays
+from s2sad.analyze.independent_iterations import carries, is_expensive, iteration_state
 from s2sad.analyze.kept_tapes import taped_calls, with_kept_tapes
 from s2sad.analyze.reallocated_arrays import is_reallocation
 from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem, Snapshot
@@ -116,14 +116,14 @@ def recording_plan(problem: RecordingProblem, memory: Economy) -> RecordingPlan:
     plan = rerun_plan(problem, memory)
     shifts = {k: s for k, v in plan.recorded.items() if (s := shift_of(v, plan, problem)) is not None}
     if shifts:
-        other = plan_for(problem, plan.rerun, plan.snapshots, shifts)
+        other = plan_for(problem, plan.rerun, shifts)
         plan = other if other.weight < plan.weight else plan
     return plan
 
 
 def rerun_plan(problem: RecordingProblem, memory: Economy) -> RecordingPlan:
     """The plan of least weight in which loops run again."""
-    plan = plan_for(problem, frozenset(), ())
+    plan = plan_for(problem, {})
     for place in sorted(problem.structure.places.values(), key=lambda p: p.order):
         loop = place.statement
         if isinstance(loop, For) and plan.weight and not any(id(x) in plan.rerun for x in place.loops):
@@ -133,15 +133,14 @@ def rerun_plan(problem: RecordingProblem, memory: Economy) -> RecordingPlan:
 
 def _lighter(plan: RecordingPlan, loop: For, problem: RecordingProblem, memory: Economy) -> RecordingPlan:
     """The plan, or the one in which a loop runs again as well, if that is worth it."""
-    arrays = snapshot_arrays(loop, problem)
-    if arrays is None:
+    state = iteration_state(loop, problem)
+    if state is None:
         return plan
-    flows = bool(arrays) or carries(loop, problem.structure)
+    flows = bool(state.flowing or state.persistent) or carries(loop, problem.structure)
     if flows and (memory == "fastest" or memory == "balanced" and is_expensive(loop, problem.structure)):
         return plan
     worth = _WORTH[memory] if flows else 1
-    if worth * sum(weight_of(Snapshot(loop, array), problem.structure) for array in arrays) >= plan.weight:
+    if worth * sum(weight_of(Snapshot(loop, array), problem.structure) for array in state.flowing) >= plan.weight:
         return plan
-    snapshots = (*plan.snapshots, *(Snapshot(loop, array) for array in arrays))
-    other = plan_for(problem, plan.rerun | {id(loop)}, snapshots)
+    other = plan_for(problem, {**plan.rerun, id(loop): state})
     return other if other.weight * worth < plan.weight else plan

@@ -43,6 +43,7 @@ class Sweeps(Recording):
         self.typing = structure.typing
         self.adjoint, self.zeros, self.family, self.called = adjoint, zeros, family, called
         self.counting = tape.counting
+        self.settled: frozenset[int] = frozenset()      # what an iteration that runs again leaves out
         self.prints = False     # whether the forward sweep does what the kernel prints
 
     # -- forward -----------------------------------------------------------------------------------------------------
@@ -69,8 +70,9 @@ class Sweeps(Recording):
 
     def is_left_out(self, statement: AST) -> bool:
         """Whether the forward sweep does without a statement: a print, or a store that nothing reads."""
-        return id(statement) in self.plan.unread or not self.prints and isinstance(statement, Expr) and call_name(
-            statement.value) == "builtins.print"
+        if id(statement) in self.plan.unread or id(statement) in self.settled:
+            return True
+        return not self.prints and isinstance(statement, Expr) and call_name(statement.value) == "builtins.print"
 
     def run(self, block: list[AST]) -> list[AST]:
         """The statements of a block that the forward sweep runs."""
@@ -100,6 +102,13 @@ class Sweeps(Recording):
             While(copy(loop.test), body, [])
         grown, advanced = self.tape.reserve(loop)
         return [*self.tape.allocations.pop(id(loop), []), *grown, *before, made, *advanced, *after]
+
+    def run_again(self, loop: AST) -> list[AST]:
+        """An iteration that runs again, without the stores to cells that hold what they are given."""
+        self.settled = self.plan.rerun[id(loop)].settled - {id(s.statement) for s in self.plan.stores.values()}
+        made = self.forward(loop.body)
+        self.settled = frozenset()
+        return made
 
     def records(self, statement: AST) -> list[AST]:
         """The pushes of the names that a statement has just bound."""
@@ -218,9 +227,9 @@ class Sweeps(Recording):
         if rerun:
             saved = [s for snapshot in self.snapshots_of(loop) for s in self.tape.read(
                 self.snapshot_stack(snapshot), index(name(snapshot.array), const(...)))]
-            stored = self.stored_arrays(loop)
+            stored = [n for n in self.stored_arrays(loop) if n not in self.plan.rerun[id(loop)].persistent]
             body = [*([forget(stored)] if stored else []), *saved, *self.loop_carried_values(loop, self.tape.pop),
-                    *self.forward(loop.body), *body]
+                    *self.run_again(loop), *body]
             before += self.tape.allocations.pop(id(loop), [])
         if self.counting.is_counted_at_run_time(loop) and self.counting.in_loop(loop):
             before += self.tape.pop(self.trip_stack(loop), name(self.counting.count(loop)))

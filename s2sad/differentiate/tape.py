@@ -15,7 +15,7 @@ Room for what innermost loops push is made in front of them where their trips ar
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 from s2sad.liveness import base_name
@@ -64,7 +64,7 @@ class Tape:
     structure: ProgramStructure
     typing: Typing
     free: Names
-    rerun: frozenset[int]
+    rerun: Collection[int]
     counting: TripCounters
     dtypes: Mapping[str, str]
     stacks: dict[str, Stack] = field(default_factory=dict)

@@ -5,14 +5,14 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from math import prod
 
 from s2sad.analyze.dependence import ArrayReference
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.recording.recomputation import RecomputationPlaces
 from s2sad.analyze.recording_plan import (
-    RecordingPlan, RecordingProblem, Shift, Snapshot, Store, by_key, reads, subscripts,
+    IterationState, RecordingPlan, RecordingProblem, Shift, Snapshot, Store, by_key, reads, subscripts,
 )
 from s2sad.analyze.reallocated_arrays import reallocations_to_reverse
 from s2sad.analyze.program_structure import ProgramStructure
@@ -22,8 +22,8 @@ from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, Expr, dump
 
 
-def plan_for(problem: RecordingProblem, rerun: frozenset[int], snapshots: tuple[Snapshot, ...],
-             shifts: dict[str, Shift] | None = None) -> RecordingPlan:
+def plan_for(problem: RecordingProblem, rerun: Mapping[int, IterationState], shifts: dict[str, Shift] | None = None
+             ) -> RecordingPlan:
     """The plan in which the loops in `rerun` run again; to restore what is recorded may require more."""
     table = problem.structure
     reallocated = {id(a): a for a in reallocations_to_reverse(table, problem.active)
@@ -31,7 +31,7 @@ def plan_for(problem: RecordingProblem, rerun: frozenset[int], snapshots: tuple[
     reversed: set[int] = {id(s) for a in reallocated.values() for s in table.place(a).inside}
     restored: set[int] = set(reallocated)
     while True:
-        plan = RecordingPlanner(problem, rerun, snapshots, reversed, restored, shifts or {}).plan()
+        plan = RecordingPlanner(problem, rerun, reversed, restored, shifts or {}).plan()
         plan.reallocated = {i for i in restored if is_allocation(table.places[i].statement)}
         recorded_at = [s.statement for s in plan.stores.values()] + [v.home for v in plan.recorded.values()]
         more = {id(s) for x in recorded_at for s in table.place(x).inside}
@@ -123,8 +123,8 @@ class RecordingPlanner(RecomputationPlaces):
             return self.problem.dependence.may_overwrite(first, later, same=itself)
         if any(x is loop for x in there.loops):
             return not again and self.problem.dependence.may_overwrite(first, later, loop, same=itself)
-        private = any(x is loop for s in self.stores_to.get(base_name(load), ())
-                      for x in self.structure.place(s.statement).loops)
+        private = base_name(load) not in self.rerun[id(loop)].persistent and any(
+            x is loop for s in self.stores_to.get(base_name(load), ()) for x in self.structure.place(s.statement).loops)
         return not private and self.problem.dependence.may_overwrite(first, later, same=itself)
 
     def depth(self, loops: tuple[AST, ...]) -> int:

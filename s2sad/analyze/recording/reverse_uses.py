@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 
 from s2sad.analyze.recording.min_cut import Network
 from s2sad.liveness import base_name, targets
-from s2sad.analyze.recording_plan import RecordingPlan, RecordingProblem, Shift, Snapshot, Store, by_key
+from s2sad.analyze.recording_plan import IterationState, RecordingPlan, RecordingProblem, Shift, Store, by_key
 from s2sad.analyze.program_structure import StatementPlace, heads
 from s2sad.analyze.uses import OperandUses
 from s2sad.analyze.reverse_values import ReverseValue, ReverseValues
@@ -15,13 +16,12 @@ from s2sad.tree import AST, Assign, For, If, Name, names
 class ReverseUses:
     """The values that the reverse sweep requires, with their users."""
 
-    def __init__(self, problem: RecordingProblem, rerun: frozenset[int], snapshots: tuple[Snapshot, ...],
-                 reversed: set[int],
+    def __init__(self, problem: RecordingProblem, rerun: Mapping[int, IterationState], reversed: set[int],
                  restored: set[int], shifts: dict[str, Shift]):
         self.problem, self.rerun, self.restored, self.shifts = problem, rerun, restored, shifts
         self.structure, self.typing = problem.structure, problem.structure.typing
         self.all_values = ReverseValues(problem.structure)
-        self.result = RecordingPlan(rerun=rerun, snapshots=snapshots, reversed=set(reversed))
+        self.result = RecordingPlan(rerun=rerun, reversed=set(reversed))
         self.users: dict[str, list[AST | str]] = {}
         self.stores = [Store(p.statement, t, self._is_whole(t)) for p in problem.structure.places.values()
                        for t in problem.stores(p.statement)]
