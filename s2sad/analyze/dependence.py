@@ -6,7 +6,6 @@ the loops' bounds, the order of execution, and negative subscripts counted from 
 """
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import chain, product
 
@@ -16,8 +15,8 @@ from s2sad.infer.types import INT
 from s2sad.infer.affine import Affine, at_most, combined, equals, feasible
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import (
-    AST, Assign, Attribute, BinOp, Break, Constant, For, Name, Subscript, Tuple, USub, UnaryOp, attribute, call_name,
-    const, dump, index, indices, name, walk_statements,
+    AST, Assign, Attribute, BinOp, Constant, For, Name, Subscript, Tuple, USub, UnaryOp, call_name,
+    indices,
 )
 
 
@@ -276,57 +275,6 @@ class Dependence:
         if not isinstance(step, int):
             return []
         return [at_most(here.shift(1), there) if step > 0 else at_most(there.shift(1), here)]
-
-    def covers(self, loop: For, store: AST, reference: ArrayReference) -> bool:
-        """Whether a nest of loops, with `loop` the outermost, stores into every cell of an array."""
-        part = self.covered_part(loop, store, reference)
-        return part is not None and set(part) == {None}
-
-    def covered_part(self, loop: For, store: AST, reference: ArrayReference) -> tuple[int | None, ...] | None:
-        """The part of an array of which a nest of loops, with `loop` the outermost, stores into every cell: for each
-        axis None, for all of it, or the one index; None if there is no such part."""
-        nest = [x for x in self.structure.place(store).loops]
-        nest = nest[nest.index(loop):]
-        part = tuple(s.value if isinstance(s, Constant) and type(s.value) is int else None
-                     for s in reference.subscripts)
-        if len(nest) != part.count(None) or self.structure.place(store).branches != \
-                self.structure.place(loop).branches or any(isinstance(n, Break) for n in walk_statements(loop.body)):
-            return None
-        if len({dump(s) for s, index in zip(reference.subscripts, part) if index is None}) != len(nest):
-            return None
-        fixed = all(index is not None or self._goes_through(nest, subscript, reference.array, axis)
-                    for axis, (subscript, index) in enumerate(zip(reference.subscripts, part)))
-        return part if fixed else None
-
-    def _goes_through(self, nest: list[AST], subscript: AST, array: str, axis: int) -> bool:
-        """Whether a subscript is the counter of one of the loops of a nest, which goes through all of an axis."""
-        counter = next((x for x in nest if isinstance(x, For) and isinstance(subscript, Name)
-                        and x.target.id == subscript.id), None)
-        if counter is None:
-            return False
-        start, stop, step = range_parts(counter)
-        if step == 1 and len(counter.iter.args) == 1 and dump(stop) == dump(_size(array, axis)):
-            return True
-        extent, low, high = self.extent(array, axis), self.form(start), self.form(stop)
-        return step == 1 and extent is not None and low == Affine() and high is not None and high == extent
-
-    def covers_together(self, array: str, parts: Iterable[tuple[int | None, ...]]) -> bool:
-        """Whether covered parts of an array are all of it: one is, or those of one axis are, of a length that is
-        known."""
-        found = {*parts}
-        for part in found:
-            fixed = [axis for axis, index in enumerate(part) if index is not None]
-            if not fixed:
-                return True
-            extent = self.extent(array, fixed[0])
-            if len(fixed) == 1 and extent is not None and not extent.terms and all(
-                    (*part[:fixed[0]], k, *part[fixed[0] + 1:]) in found for k in range(extent.constant)):
-                return True
-        return False
-
-
-def _size(array: str, axis: int) -> AST:
-    return index(attribute(name(array), "shape"), const(axis))
 
 
 def range_parts(loop: For) -> tuple[AST, AST, int | AST]:

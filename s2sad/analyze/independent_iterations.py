@@ -9,6 +9,7 @@ what they store in cells that nothing overwrites, as a trajectory is; else snaps
 from __future__ import annotations
 
 from s2sad import rules
+from s2sad.analyze.covered_parts import Part, cover, covered_part
 from s2sad.analyze.dependence import ArrayReference
 from s2sad.liveness import base_name
 from s2sad.analyze.recording_plan import IterationState, RecordingProblem
@@ -70,16 +71,16 @@ def _private(array: str, loop: For, inner: list[StatementPlace], problem: Record
     inside = [(p, x) for p, x in loads if p.order in within]
     if not inside:
         return True
-    parts: list[tuple[int | None, ...]] = []
+    parts: list[Part] = []
     for place in inner:
         for target in problem.stores(place.statement):
             if base_name(target) != array or not isinstance(place.statement, Assign) or user_call(
                     place.statement.value):
                 continue
-            part = _covered_part(target, place, loop, problem)
+            part = covered_part(target, place, loop, problem.dependence)
             if part is not None and all(p.order > place.order and _after(p, x, place, target, loop) for p, x in inside):
                 parts.append(part)
-    return problem.dependence.covers_together(array, parts)
+    return cover(array, parts, problem.dependence)
 
 
 def _persistent(array: str, loop: For, problem: RecordingProblem) -> bool:
@@ -120,16 +121,3 @@ def _after(reader: StatementPlace, load: AST, place: StatementPlace, target: AST
     nest = place.loops[place.loops.index(loop) + 1:]
     within = bool(nest) and any(x is nest[0] for x in reader.loops)
     return not within or dump(load) == dump(target)
-
-
-def _covered_part(place: AST, where: StatementPlace, loop: For, problem: RecordingProblem
-                  ) -> tuple[int | None, ...] | None:
-    """The part of an array that a store in the loop fills in each iteration; None if there is none."""
-    reference = ArrayReference.to(place, where.statement)
-    nest = where.loops[where.loops.index(loop) + 1:]
-    unconditional = problem.structure.place(loop).branches
-    if not reference.subscripts:
-        return () if where.branches == unconditional and not nest else None
-    if not nest or not isinstance(nest[0], For) or problem.structure.place(nest[0]).branches != unconditional:
-        return None
-    return problem.dependence.covered_part(nest[0], where.statement, reference)

@@ -38,7 +38,8 @@ from s2sad.program import Economy
 from s2sad.tree import AST, Assign, AugAssign, For, FunctionDef, Return, const, index, name
 
 _WORTH: Mapping[Economy, float] = {"least": 5 / 4, "balanced": 2, "fastest": inf}
-"""How many times less must be recorded where the forward sweep runs the loop as well, for numbers or elements flow."""
+"""How many times less must be recorded, at the least, where the forward sweep runs the loop as well, for numbers or
+elements flow."""
 
 
 def to_be_recorded(function: FunctionDef, context: AnalysisContext) -> None:
@@ -143,4 +144,4 @@ def _lighter(plan: RecordingPlan, loop: For, problem: RecordingProblem, memory: 
     if worth * sum(weight_of(Snapshot(loop, array), problem.structure) for array in state.flowing) >= plan.weight:
         return plan
     other = plan_for(problem, {**plan.rerun, id(loop): state})
-    return other if other.weight * worth < plan.weight else plan
+    return other if other.weight < plan.weight and other.weight * worth <= plan.weight else plan
