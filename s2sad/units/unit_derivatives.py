@@ -40,7 +40,8 @@ from s2sad.program import Economy, Table, TapeDtype
 from s2sad.simplify import DerivativeContext, Effect, Effects
 from s2sad.simplify.wide_accumulators import uses_float32
 from s2sad.tree import (
-    AST, Assert, Call, For, FunctionDef, Name, While, function, is_comment, user_call, walk, walk_statements,
+    AST, Assert, Assign, Call, Constant, For, FunctionDef, Name, Subscript, While, function, is_comment, user_call,
+    walk, walk_statements,
 )
 from s2sad.units.normal_forms import NormalForms
 from s2sad.units.unit import Unit
@@ -200,7 +201,7 @@ class Units(NormalForms):
         body = made.function.body
         marks = [k for k, s in enumerate(body) if is_comment(s)]
         run = [s for s in body[:marks[-1] if marks else 0] if not (
-            is_comment(s) or isinstance(s, Assert) or is_allocation(s))]
+            is_comment(s) or isinstance(s, Assert) or is_allocation(s) or _is_copy(s))]
         if in_arrays:
             run = [s for s in run if _is_of_arrays(s, made.types)]
         return bool(run) or any(self._runs_forwards(c, in_arrays) for n in walk(body) if (c := user_call(n)))
@@ -416,6 +417,14 @@ def _widest(renamed: Mapping[str, str], typing: Typing) -> dict[str, Type]:
         elif kind != known:
             found[new] = replace(kind, dtype=np.result_type(kind.dtype, known.dtype).name)
     return found
+
+
+def _is_copy(statement: AST) -> bool:
+    """Whether a statement stores into an array what there is, and computes nothing: it is no part of a step's work."""
+    if isinstance(statement, For):
+        return all(map(_is_copy, statement.body))
+    value = statement.value if isinstance(statement, Assign) and isinstance(targets(statement)[0], Subscript) else None
+    return isinstance(value, (Name, Constant, Subscript)) and bool(base_name(value) or isinstance(value, Constant))
 
 
 def _is_of_arrays(statement: AST, types: Mapping[str, Type]) -> bool:

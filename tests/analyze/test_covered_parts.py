@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -187,8 +188,9 @@ def _compared(kernel, size: int, n: int, engine: str) -> None:
     u, direction, h = np.linspace(0.1, 0.6, size), np.cos(np.arange(size)), 1e-6
     measured = (kernel(u + h * direction, 0.3, n) - kernel(u - h * direction, 0.3, n)) / (2 * h)
     plain = None
-    for options in ({"memory": "fastest"}, {"memory": "least"}, {}, {"checkpoint": {
-            next(v for v in kernel.__code__.co_varnames if v in ("k", "_k")): 2}}):
+    loop = next(v for v in kernel.__code__.co_varnames if v in ("k", "_k"))
+    ways: tuple[dict[str, Any], ...] = ({"memory": "fastest"}, {"memory": "least"}, {}, {"checkpoint": {loop: 2}})
+    for options in ways:
         found = s2sad.gradient(s2sad.differentiate(kernel, engine=engine, **options), wrt="u")(u, 0.3, n)
         np.testing.assert_allclose(found @ direction, measured, rtol=1e-6, atol=1e-8)
         plain = found if plain is None else plain

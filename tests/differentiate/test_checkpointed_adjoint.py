@@ -1,7 +1,6 @@
 """Loops that keep snapshots in place of a tape: the same gradients, few runs of steps, and only live state is kept."""
 from __future__ import annotations
 
-import threading
 from math import comb
 from typing import Any
 
@@ -45,8 +44,8 @@ def test_gradients_are_the_same_bits(kernel):
 def test_gradients_under_numba(kernel):
     """Where loops are in vectors sums may differ in their last digits from those of a loop that records, and from those
     of no other number of snapshots."""
-    expected = [_found(kernel, "numba", steps, None) for steps in (0, 1, 30)]
-    found = [_found(kernel, "numba", steps, 3) for steps in (0, 1, 30)]
+    expected = [_found(kernel, "numba", steps, None) for steps in (0, 1, 2, 30)]
+    found = [_found(kernel, "numba", steps, 3) for steps in (0, 1, 2, 30)]
     for mine, plain in zip(found, expected):
         for one, other in zip(mine, plain):
             np.testing.assert_allclose(one, other, rtol=1e-13)
@@ -85,23 +84,6 @@ def test_dot_products(kernel, engine):
     measured = check_derivatives(kernel, (np.linspace(0.1, 0.6, 6), 0.2, 9), ("u", "c"), ("u", "return"), engine)
     assert measured.dot_product <= 1e-12
     assert max(measured.directional, measured.coordinates) <= 1e-7
-
-
-def leaves_at_once(u, c, n):
-    for k in range(n):
-        u[:] = np.exp(c * u) + k
-        if u[0] > 0.0:
-            break
-    return np.sum(u * u)
-
-
-@pytest.mark.parametrize("engine", ["numpy", "numba"])
-def test_a_loop_that_is_left_in_its_first_step(engine):
-    u = np.linspace(0.1, 0.6, 6)
-    for snapshots in (1, 5):
-        found = s2sad.gradient(s2sad.differentiate(leaves_at_once, engine=engine, checkpoint={"k": snapshots}),
-                               wrt="u")(u, 0.2, 9)
-        np.testing.assert_allclose(found, 0.4 * np.exp(0.4 * u), rtol=1e-14)
 
 
 def test_a_marked_loop_is_the_range_where_nothing_is_differentiated():
@@ -319,9 +301,19 @@ def euler_in_loops(u, c, n):
     return np.sum(u)
 
 
+def upwind(u, c, n):
+    for _k in range(n):
+        before = u.copy()
+        for i in range(1, u.size - 1):
+            u[i] = before[i] - c * before[i] * (before[i] - before[i - 1])
+    return np.sum(u * u)
+
+
 @pytest.mark.parametrize("engine", ["numpy", "numba"])
-def test_the_adjoint_of_a_step_that_updates_its_state_last_runs_none(engine):
-    kept = s2sad.differentiate(euler_in_loops, wrt="u", engine=engine, checkpoint={"_k": 10})
+@pytest.mark.parametrize("kernel", [euler_in_loops, upwind], ids=lambda k: k.__name__)
+def test_the_adjoint_of_a_step_that_updates_its_state_last_runs_none(engine, kernel):
+    """Nor does one that copies what the state is."""
+    kept = s2sad.differentiate(kernel, wrt="u", engine=engine, checkpoint={"_k": 10})
     [loop] = kept.adjoint.memory(np.ones(4), 0.1, 1000).loops
     assert "which run 3,637 times in all, 3.64 a step; their adjoints run none" in str(loop)
 
@@ -363,38 +355,6 @@ def test_where_the_adjoint_of_a_step_runs_none_is_told():
     assert again.adjoint.memory(np.ones(4), 0.1, 1000).loops[0].runs == 4637
     none = s2sad.differentiate(time_loops.linear_left, engine="numpy", checkpoint={"k": 3})
     assert not none.adjoint.memory(np.ones(4), 0.1, 9).loops
-
-
-# -- calls ----------------------------------------------------------------------------------------------------------
-def raising(u, c, n):
-    for k in range(n):
-        u[:] = u * c
-        if k == 7:
-            raise ValueError("too late")
-    return np.sum(u)
-
-
-@pytest.mark.parametrize("engine", ["numpy", "numba"])
-def test_a_step_that_raises_leaves_arguments_as_they_were(engine):
-    u = np.ones(3)
-    with pytest.raises(ValueError, match="too late"):
-        s2sad.gradient(s2sad.differentiate(raising, engine=engine, checkpoint={"k": 2}))(u, 0.5, 10)
-    np.testing.assert_array_equal(u, 1.0)
-
-
-def test_two_threads_at_once():
-    found: list[Any] = [None, None]
-    gradient = s2sad.gradient(s2sad.differentiate(steps_of, engine="numba", checkpoint={"k": 3}), wrt="u")
-    expected = [gradient(np.full(4, 0.1 + k), 0.1, 300) for k in range(2)]
-
-    def run(k: int) -> None:
-        found[k] = gradient(np.full(4, 0.1 + k), 0.1, 300)
-    threads = [threading.Thread(target=run, args=(k,)) for k in range(2)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    np.testing.assert_array_equal(found, expected)
 
 
 class Model:
@@ -488,12 +448,6 @@ def test_no_snapshots():
         "  help: more snapshots are fewer steps that run again")
 
 
-def growing(u, n):
-    for _k in range(n):
-        u = np.concatenate((u, 0.5 * u[:1]))
-    return np.sum(u * u)
-
-
 def size_of_the_last(u, n):
     for k in range(n):
         w = np.zeros(k + 1)
@@ -504,46 +458,6 @@ def size_of_the_last(u, n):
 def test_a_size_that_is_read_behind_the_loop():
     assert "error[S201]: 'w' is allocated anew in a loop that keeps snapshots" in _refused(
         size_of_the_last, {"k": 3}, np.ones(9), 4)
-
-
-def test_state_that_changes_its_size():
-    said = _refused(growing, {"_k": 3}, np.ones(3), 4)
-    assert said.endswith("error[S201]: 'u' is allocated anew in a loop that keeps snapshots, and is read behind the "
-                         "step\n  help: allocate it before the loop and write it in place, or leave the loop out of "
-                         "'checkpoint'")
-
-
-def own_forward(u):
-    kept = u.copy()
-    u *= u
-    return kept
-
-
-def own_reverse(kept, u, u_bar):
-    u_bar *= 2.0 * kept
-
-
-@s2sad.rule(forward=own_forward, reverse=own_reverse)
-def own(u):
-    u *= u
-
-
-def calls_own(u):
-    own(u)
-    u += 0.5
-
-
-def of_its_own(u, n):
-    for _k in range(n):
-        calls_own(u)
-    return np.sum(u)
-
-
-def test_a_derivative_of_the_users_own():
-    """What it keeps may depend on how often it was called."""
-    assert _refused(of_its_own, {"_k": 3}, np.ones(3), 4).endswith(
-        "error[S201]: 'calls_own' is called in a loop that keeps snapshots, whose steps run again\n"
-        "  help: leave the loop out of 'checkpoint'")
 
 
 @s2sad.rule(a="b", b="a")
