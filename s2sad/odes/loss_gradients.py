@@ -3,7 +3,7 @@
     forward     sensitivities: S' = J S + df/dp beside u' = f, by as many tangents as there are numbers asked for
     adjoint     u' = f to the end, then l' = -l J and g' = -l df/dp back, along the interpolated solution; at each time
                 that the loss reads l gains what it gives back
-    discrete    the derivative of the classical method of Runge and Kutta with fixed steps, a kernel as any other
+    discrete    the derivative of a method of Runge and Kutta with fixed steps, a kernel as any other
 
 SciPy integrates the first two, within its tolerances; the third has the derivative of what it computes, to rounding.
 (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, Springer 1993, I.14 and II.1; Cao, Li, Petzold
@@ -24,7 +24,7 @@ from s2sad.interface.drivers import ValueAndGradient, jvp, vjp
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.recording_arguments import Checkpoint
 from s2sad.interface.selection import RETURN, Wrt, names_of
-from s2sad.odes.fixed_steps import fixed_steps
+from s2sad.odes.fixed_steps import METHODS, NOT_CONVERGED, fixed_steps
 from s2sad.odes.right_hand_side import Ode
 from s2sad.run.tracebacks import public
 
@@ -35,20 +35,22 @@ _IMPLICIT = ("BDF", "Radau", "LSODA")
 
 @public
 def ode_gradient(f: Callable[..., Any], loss: Callable[[np.ndarray], float], wrt: Wrt = None, *, way: Way = "forward",
-                 method: str = "RK45", rtol: float = 1e-8, atol: float = 1e-10, steps: int | None = None,
+                 method: str | None = None, rtol: float = 1e-8, atol: float = 1e-10, steps: int | None = None,
                  snapshots: int | None = None) -> OdeGradient:
     """A function of (u, times, *args) that returns the loss of the solution of u' = f, and its gradient.
 
     Args: f, a right-hand side as for `ode`, or an `Ode`; loss, a function of the states at all times, an array of shape
     (number of times, *shape of u), that returns a float; wrt, names or positions of parameters of f, of its state for u
     at the first of the times (default: the state and all floats of args); way, "forward", "adjoint" or "discrete";
-    method, rtol and atol, for SciPy's `solve_ivp`; steps, of the discrete way, between one time and the next, and
-    snapshots, how many states it keeps in place of a tape. u is an array of floats of any shape, times are increasing,
-    at least two; args are floats and arrays of floats, or others that wrt does not name. Nothing is changed. The
-    gradient is an array or a float for one name, a dict by name for several.
-    Raises S2sadError: S401 (wrt names what is no float), S403 (times or u that do not fit), S405 (no such way, no
-    steps, no SciPy), S502 (the integrator failed, with its message; there is no gradient then); and what f and loss
-    raise. Literature: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, Springer 1993.
+    method (default "RK45"), rtol and atol, for SciPy's `solve_ivp`; of the discrete way method is "RK4" (default), or,
+    for stiff equations, "midpoint", "SDIRK2" or "SDIRK4", which solve for each stage by Newton's method; steps, of it,
+    between one time and the next, and snapshots, how many states it keeps in place of a tape. u is an array of floats
+    of any shape, times are increasing, at least two; args are floats and arrays of floats, or others that wrt does not
+    name. Nothing is changed. The gradient is an array or a float for one name, a dict by name for several.
+    Raises S2sadError: S401 (wrt names what is no float), S403 (times or u that do not fit), S405 (no such way or
+    method, no steps, no SciPy), S502 (the integrator or Newton's method failed, with its message; there is no gradient
+    then); and what f and loss raise. Literature: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I,
+    Springer 1993; Hairer and Wanner, the same II, Springer 1996.
 
     >>> import numpy as np
     >>> def decay(du, u, k):
@@ -66,13 +68,16 @@ def ode_gradient(f: Callable[..., Any], loss: Callable[[np.ndarray], float], wrt
 class OdeGradient(Decorated):
     """The loss of the solution of an equation, and its gradient; see `ode_gradient`."""
 
-    def __init__(self, f: Any, loss: Any, wrt: Wrt = None, way: Way = "forward", method: str = "RK45",
+    def __init__(self, f: Any, loss: Any, wrt: Wrt = None, way: Way = "forward", method: str | None = None,
                  rtol: float = 1e-8, atol: float = 1e-10, steps: int | None = None, snapshots: int | None = None):
         if way not in _WAYS:
             raise S2sadError(Diagnostic("S405", f"there is no way {way!r}", help='"forward", "adjoint" or "discrete"'))
         if way == "discrete" and (isinstance(steps, bool) or not isinstance(steps, int) or steps < 1):
             raise S2sadError(Diagnostic("S405", f"the discrete way takes fixed steps, and there are {steps!r}",
                                         help="give how many there are between one time and the next: steps=100"))
+        if way == "discrete" and method not in (None, *METHODS):
+            raise S2sadError(Diagnostic("S405", f"the discrete way has no method {method!r}",
+                                        help=f"it has {', '.join(METHODS)}"))
         self.__wrapped__, self._loss, self._way = f, loss, way
         self._options = method, rtol, atol, steps, snapshots
         self._rhs = f if isinstance(f, Ode) else Ode(f)
@@ -85,6 +90,7 @@ class OdeGradient(Decorated):
                     "S401", f"wrt names '{name}', neither the state of '{self._title}' nor among its arguments",
                     help=f"these are {', '.join((self._rhs.state, *self._rhs.others))}"))
         self._of_loss = ValueAndGradient(loss, 0)
+        self._kernels: dict[int, tuple[Any, str, str]] = {}     # of fixed steps, by the axes of the state
         self.__name__ = self.__qualname__ = f"ode_gradient_of_{self._title}"
         self.__module__ = getattr(f, "__module__", __name__)
 
@@ -134,7 +140,7 @@ class OdeGradient(Decorated):
     def _integrated(self, fun: Callable[..., Any], span: tuple[float, float], start: np.ndarray, **more: Any) -> Any:
         """SciPy's solution; raises S2sadError (S502) where it fails."""
         integrate = needed("scipy.integrate", f'way="{self._way}"', 'take way="discrete"')
-        method, rtol, atol = self._options[:3]
+        method, rtol, atol = self._options[0] or "RK45", *self._options[1:3]
         if method not in _IMPLICIT:
             more.pop("jac", None)
         if not np.all(np.isfinite(fun(span[0], start))):        # with such a rate SciPy's steps would have no end
@@ -189,10 +195,20 @@ class OdeGradient(Decorated):
 
     def _discrete(self, p: _Problem) -> tuple[float, dict[str, Any]]:
         steps, snapshots = self._options[3:]
-        kernel, counter, state = fixed_steps(p.rhs, self._loss, p.state.ndim)
+        method = METHODS[self._options[0] or "RK4"]
+        if p.state.ndim not in self._kernels:
+            self._kernels[p.state.ndim] = fixed_steps(p.rhs, self._loss, p.state.ndim, method)
+        kernel, counter, state = self._kernels[p.state.ndim]
         checkpoint: Checkpoint = None if snapshots is None else {counter: snapshots}
         ask = ValueAndGradient(kernel, tuple(state if n == p.rhs.state else n for n in p.names), checkpoint)
-        value, found = ask(p.state, p.times, steps, *p.given.values())
+        try:
+            value, found = ask(p.state, p.times, steps, *method.arrays(), *p.given.values())
+        except ArithmeticError as error:
+            if str(error) != NOT_CONVERGED:
+                raise
+            raise S2sadError(Diagnostic(
+                "S502", f"{NOT_CONVERGED} for a stage of '{self._title}'",
+                help="take more steps, or see whether the rate is finite; there is no gradient")) from None
         found = found if isinstance(found, dict) else {(state if p.names[0] == p.rhs.state else p.names[0]): found}
         return value, {n: found[state if n == p.rhs.state else n] for n in p.names}
 

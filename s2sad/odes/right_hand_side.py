@@ -85,8 +85,13 @@ class Ode(Decorated):
     def kernel(self) -> Differentiated[..., Any]:
         """The kernel that writes the rate, or returns it as an array."""
         f, carried = self.__wrapped__, selection_of(self.__wrapped__)
-        return Differentiated(f if self.rate is not None else _in_an_array(f, self.parameters), None, None,
-                              carried.engine, carried.recording)
+        return Differentiated(f if self.rate is not None else self.read, None, None, carried.engine, carried.recording)
+
+    @cached_property
+    def read(self) -> Any:
+        """The kernel's function, of arrays and numbers, as other texts call it."""
+        f = python_function(self.__wrapped__)
+        return f if self.rate is not None else _in_an_array(f, self.parameters)
 
     @public
     def __call__(self, t: float, y: Any, *args: Any) -> np.ndarray:
@@ -192,4 +197,4 @@ def _in_an_array(f: Any, parameters: Sequence[str]) -> partial[Any]:
     library, entry, inner, taken = (*map(names.fresh, ("np", "rate", "rate_of")), ", ".join(parameters))
     text = (f"import numpy as {library}\n\n\ndef {entry}({inner}, {taken}):\n"
             f"    return {library}.array({inner}({taken}))\n")
-    return partial(getattr(load(text, entry), entry), python_function(f))
+    return partial(getattr(load(text, entry), entry), f)

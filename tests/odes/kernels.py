@@ -83,3 +83,9 @@ def explodes(t, u, k):
 
 def roots(t, u, k):
     return -k * np.sqrt(u)
+
+
+def relaxes(du, u, k, t):
+    """Stiff: the second part follows the first one, which is slow, by the rate k."""
+    du[0] = np.sin(t) - 0.5 * u[1]
+    du[1] = k * (u[0] ** 2 - u[1])

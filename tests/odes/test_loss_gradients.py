@@ -18,7 +18,10 @@ PLANE = np.linspace(0.5, 1.5, 6).reshape(2, 3)
 CASES = [(kernels.hunters, kernels.misfit, Z, (P,)), (kernels.hunters_in_place, kernels.misfit, Z, (P,)),
          (kernels.forced, kernels.misfit, Z, (0.3, np.array([0.5, 1.0]))),
          (kernels.grid, kernels.of_a_plane, PLANE, (0.3,))]
-WAYS = [("forward", {}), ("adjoint", {}), ("discrete", {"steps": 20}), ("discrete", {"steps": 20, "snapshots": 4})]
+WAYS = [("forward", {}), ("adjoint", {}), ("discrete", {"steps": 20}), ("discrete", {"steps": 20, "snapshots": 4}),
+        ("discrete", {"steps": 10, "method": "SDIRK2"}),
+        ("discrete", {"steps": 10, "method": "SDIRK4", "snapshots": 3})]
+NAMES = ["forward", "adjoint", "discrete", "snapshots", "implicit", "implicit-snapshots"]
 
 
 def central(of, given, k, direction):
@@ -31,8 +34,9 @@ def central(of, given, k, direction):
 
 
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
-@pytest.mark.parametrize(("way", "more"), WAYS, ids=["forward", "adjoint", "discrete", "snapshots"])
-@pytest.mark.parametrize("case", CASES, ids=[c[0].__name__ for c in CASES])
+@pytest.mark.parametrize(("case", "way", "more"), [
+    pytest.param(case, way, more, id=f"{case[0].__name__}-{name}") for (way, more), name in zip(WAYS, NAMES)
+    for case in (CASES[2:3] if name == "implicit-snapshots" else CASES)])
 def test_against_differences(case, way, more, engine):
     f, loss, u, args = case
     before = copy.deepcopy((u, args))
@@ -41,10 +45,11 @@ def test_against_differences(case, way, more, engine):
         value, found = s2sad.ode_gradient(g, loss, way=way, rtol=1e-10, atol=1e-12, **more)(u, T, *args)
         names = list(found)
         assert len(names) == 1 + len(args)
+        by_steps = s2sad.ode_gradient(g, loss, names[0], way=way, **more)
 
         def of(u, *args):
             if way == "discrete":
-                return s2sad.ode_gradient(f, loss, names[0], way="discrete", steps=20)(u, T, *args)[0]
+                return by_steps(u, T, *args)[0]
             solution = integrate.solve_ivp(s2sad.ode(f, shape=u.shape), (T[0], T[-1]), u.reshape(-1), args=args,
                                            method="DOP853", rtol=1e-12, atol=1e-14, t_eval=T)
             return loss(solution.y.T.reshape(-1, *u.shape))
@@ -61,7 +66,7 @@ def test_against_differences(case, way, more, engine):
 
 def test_compiled_and_snapshots_give_the_same():
     wanted = s2sad.ode_gradient(kernels.hunters, kernels.misfit, way="adjoint")(Z, T, P)
-    for way, more in WAYS[2:]:
+    for way, more in WAYS[2:4]:
         found = s2sad.ode_gradient(s2sad.differentiate(kernels.hunters, engine="numba"), kernels.misfit, way=way,
                                    **{**more, "steps": 100})(Z, T, P)
         np.testing.assert_allclose(found[1]["p"], wanted[1]["p"], rtol=1e-6)
@@ -106,6 +111,45 @@ def test_what_is_no_float_is_handed_on(way):
     np.testing.assert_allclose(found, wanted, rtol=1e-6)
 
 
+@pytest.mark.parametrize(("method", "order"), [("RK4", 4), ("midpoint", 2), ("SDIRK2", 2), ("SDIRK4", 4)])
+@pytest.mark.parametrize("f", [kernels.hunters, kernels.forced])
+def test_orders(f, method, order):
+    """Half the step has the error of gradients that the order says, also where the rate depends on the time."""
+    args = (P,) if f is kernels.hunters else (0.3, np.array([0.5, 1.0]))
+    exact = s2sad.ode_gradient(f, kernels.misfit, way="adjoint", method="DOP853", rtol=1e-12, atol=1e-13)(Z, T, *args)
+    name = list(exact[1])[1]
+    g = s2sad.differentiate(f, engine="numpy")
+    errors = [np.max(np.abs(s2sad.ode_gradient(g, kernels.misfit, way="discrete", method=method, steps=steps)(
+        Z, T, *args)[1][name] - exact[1][name])) for steps in (8, 16)]
+    assert order - 0.5 < np.log2(errors[0] / errors[1]) < order + 0.5
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_stiff_equations(engine):
+    """Explicit steps would have to be a thousand times as short."""
+    wanted = s2sad.ode_gradient(kernels.relaxes, kernels.misfit, way="adjoint", method="Radau", rtol=1e-8)(Z, T, 1e4)
+    with running(engine) as run_under:
+        value, found = s2sad.ode_gradient(s2sad.differentiate(kernels.relaxes, engine=run_under), kernels.misfit,
+                                          way="discrete", method="SDIRK4", steps=20)(Z, T, 1e4)
+    np.testing.assert_allclose(value, wanted[0], rtol=1e-5)
+    np.testing.assert_allclose(found["u"], wanted[1]["u"], rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(found["k"], wanted[1]["k"], rtol=0.03)
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_newton_that_does_not_converge_has_no_gradient(engine):
+    with running(engine) as run_under:
+        ask = s2sad.ode_gradient(s2sad.differentiate(kernels.explodes, engine=run_under), kernels.misfit,
+                                 way="discrete", method="SDIRK2", steps=1)
+        before = Z.copy()
+        with pytest.raises(s2sad.S2sadError, match="S502") as caught:
+            ask(Z, T, 2.0)
+    assert one_line(caught.value) == ("Newton's method did not converge for a stage of 'explodes': take more steps, or "
+                                      "see whether the rate is finite; there is no gradient")
+    np.testing.assert_array_equal(Z, before)
+
+
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @pytest.mark.parametrize("way", ["forward", "adjoint"])
 def test_a_failing_integrator_has_no_gradient(way):
@@ -137,6 +181,8 @@ def made(**how):
     ("there is no way 'reverse': \"forward\", \"adjoint\" or \"discrete\"", lambda: made(way="reverse")),
     ("the discrete way takes fixed steps, and there are None: give how many there are between one time and the next: "
      "steps=100", lambda: made(way="discrete")),
+    ("the discrete way has no method 'Radau': it has RK4, midpoint, SDIRK2, SDIRK4",
+     lambda: made(way="discrete", steps=2, method="Radau")),
     ("wrt names 'q', neither the state of 'hunters' nor among its arguments: these are z, p", lambda: made(wrt="q")),
     ("wrt names 't', neither the state of 'hunters' nor among its arguments: these are z, p", lambda: made(wrt="t")),
     ("wrt names 'p' of 'hunters', which is neither a float nor an array of floats: give one, or leave it out of wrt",
