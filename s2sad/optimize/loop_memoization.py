@@ -52,27 +52,24 @@ from s2sad.liveness import base_name
 from s2sad.blocks import with_blocks
 from s2sad.infer.types import Type
 from s2sad.naming import Names
-from s2sad.optimize.loop_bounds import bound_names, counted_loop, stored_elements
+from s2sad.optimize.expensive_values import changed_names, is_double, is_expensive
+from s2sad.optimize.loop_bounds import counted_loop, stored_elements
 from s2sad.optimize.vector_math import cosh_of_tanh_derivative, tanh_derivative
 from s2sad.optimize.iteration_spaces import IterationSpaces
 from s2sad.optimize.loop_nests import Nest, perfect_nest
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, BoolOp, Constant, Expr, For, FunctionDef, If, IfExp, Name, Subscript, While,
+    AST, Assign, Attribute, AugAssign, BoolOp, For, FunctionDef, If, IfExp, Name, Subscript, While,
     assign, at, call, call_name, const, copy, dump, index, indices, name, names, rebuild, times_bound, tuple_of,
     walk,
 )
 
 CHANGES_ROUNDING = False
 
-_EXPENSIVE = {f"{room}.{f}" for room in ("numpy", "math") for f in (
-    "exp", "expm1", "exp2", "log", "log1p", "log2", "log10", "sinh", "cosh", "tanh", "sin", "cos", "tan")}
-
-
 def loop_memoization(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
     """The function with such values kept; `writing` are the functions that write arrays."""
     types, writing = context.types, context.writing
-    if not any(call_name(n) in _EXPENSIVE for n in walk(function.body)):
+    if not any(map(is_expensive, walk(function.body))):
         return function
     new, found = copy(function), _LoopMemoization(function, types, writing)
     new.body = []
@@ -112,8 +109,8 @@ class _LoopMemoization:
         """A block inside of a loop."""
         block = [with_blocks(s, self.block) if isinstance(s, (For, While, If)) else s for s in block]
         nests = {k: nest for k, s in enumerate(block) if isinstance(s, For) and (
-            nest := perfect_nest(s, self.extents)) is not None and any(map(_is_expensive, walk(s)))}
-        moving = [_effects(s, self.writing) for s in block]
+            nest := perfect_nest(s, self.extents)) is not None and any(map(is_expensive, walk(s)))}
+        moving = [changed_names(s, self.writing) for s in block]
         for last, taking in nests.items():
             for first in [k for k in nests if k < last][::-1]:
                 self.reuse(nests[first], taking, moving[first:last + 1])
@@ -129,7 +126,7 @@ class _LoopMemoization:
         kept: set[int] = set()      # nodes of values that are kept: what is within one is computed no more
         for value in _expensive_values(taking):
             if id(value.node) in kept or (set(names(value.argument)) - set(taking.counters)) & still or not (
-                    self.is_double(value.argument, taking.counters)):
+                    is_double(value.argument, self.types, taking.counters)):
                 continue
             value.argument = rebuild(value.argument, lambda n: copy(counters[n.id]) if isinstance(
                 n, Name) and n.id in counters else None)
@@ -146,14 +143,6 @@ class _LoopMemoization:
         if source is None:
             return ""
         return self.existing_buffer(value, source, giving, moving) or self.new_buffer(value, source, giving)
-
-    def is_double(self, argument: AST, counters: list[str]) -> bool:
-        """Whether a value is a float64 number for certain: a complex argument gives none."""
-        known = {n for n, kind in self.types.items() if kind.dtype in ("float64", "int64")} | set(counters)
-        library = ("numpy.", "math.", "builtins.")
-        words = {n.id for n in walk(argument) if isinstance(n, Name) and not n.id.startswith(library)}
-        return words <= known and not any(
-            isinstance(n, Constant) and isinstance(n.value, complex) for n in walk(argument))
 
     def existing_buffer(self, value: _ExpensiveValue, source: _ExpensiveValue, giving: Nest, moving: set[str]) -> str:
         """The array in which the first nest stores the value anyway, and which nothing overwrites behind it."""
@@ -196,16 +185,6 @@ def _value_expression(source: _ExpensiveValue) -> AST:
     return name(target.id) if isinstance(target, Name) and source.statement.value is source.node else copy(source.node)
 
 
-def _is_expensive(node: AST) -> bool:
-    return call_name(node) in _EXPENSIVE
-
-
-def _effects(statement: AST, writing: Set[str]) -> set[str]:
-    """What a statement may bind or write."""
-    calls = [n for n in walk(statement) if isinstance(n, Expr) or call_name(n) in writing]
-    return bound_names([statement]) | {base_name(t) for t in stored_elements([statement])} | set(names(calls))
-
-
 def _expensive_values(nest: Nest) -> Iterator[_ExpensiveValue]:
     """The expensive values in the unbranched statements of a nest, with the names in their arguments substituted."""
     known: dict[str, AST] = {}
@@ -222,7 +201,7 @@ def _expensive_values(nest: Nest) -> Iterator[_ExpensiveValue]:
             slope = cosh_of_tanh_derivative(node)
             if slope is not None:
                 yield _ExpensiveValue(statement, node, "slope", spelled(slope.args[0]), id(node) not in chosen)
-            elif _is_expensive(node) and len(node.args) == 1:
+            elif is_expensive(node) and len(node.args) == 1:
                 yield _ExpensiveValue(statement, node, call_name(node) or "", spelled(node.args[0]),
                                       id(node) not in chosen)
         target = statement.targets[0] if isinstance(statement, Assign) else None
