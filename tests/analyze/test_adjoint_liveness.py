@@ -139,9 +139,39 @@ def linear_result(u, f, c):
     return f[0]
 
 
-ALL = (flux_then_update, helper_then_update, along_a_row, along_a_row_backwards, linear_along_a_row, twice_over_it,
-       increment_of_what_was_stored, place_that_was_stored, way_that_was_stored, until_it_is_small,
-       left_where_it_is_large, number_of_a_helper, rows_on_their_own, rows_that_flow, whole_arrays, linear_result)
+def turned(u):
+    u[:] = u[::-1]
+    return u[1]
+
+
+def halved(u):
+    for i in range(u.size):
+        u[i] = 0.5 * u[i]
+    return u[0], 2.0 * u[1]
+
+
+def number_that_nothing_reads(u, f, c):
+    r = turned(u)
+    q = 0.5 * r + c
+    f[0] += q
+    return q - 2.0 * r
+
+
+def numbers_of_rounds(u, f, c):
+    total = 0.0
+    for i in range(f.size):
+        total += turned(u)
+        a, b = halved(u)
+        if f[i] > 0.0:
+            total += a - b * c
+            f[i] -= turned(u)
+    return total
+
+
+RETURNING = (number_that_nothing_reads, numbers_of_rounds, linear_result)
+ALL = (*RETURNING, flux_then_update, helper_then_update, along_a_row, along_a_row_backwards, linear_along_a_row,
+       twice_over_it, increment_of_what_was_stored, place_that_was_stored, way_that_was_stored, until_it_is_small,
+       left_where_it_is_large, number_of_a_helper, rows_on_their_own, rows_that_flow, whole_arrays)
 
 
 def given() -> tuple[np.ndarray, np.ndarray, float]:
@@ -153,7 +183,8 @@ def given() -> tuple[np.ndarray, np.ndarray, float]:
 def test_derivatives(kernel, engine):
     stored = dict(re.findall(r"^ +(u|f)\b[^=]*( [-+]?=) ", inspect.getsource(kernel), re.M))
     stored |= {"f": ""} if kernel in (number_of_a_helper, helper_then_update) else {}
-    of = (*stored, "return") if kernel is linear_result else tuple(stored)
+    stored |= {"u": ""} if kernel in (number_that_nothing_reads, numbers_of_rounds) else {}
+    of = (*stored, "return") if kernel in RETURNING else tuple(stored)
     check_derivatives(kernel, given(), ("u", "f", "c"), of, engine)
 
 

@@ -10,13 +10,13 @@ for loops in which a store and its restore meet.)
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Set
 
 from s2sad.analyze.dependence import ArrayReference
 from s2sad.analyze.program_structure import heads
 from s2sad.analyze.recording_plan import RecordingProblem, by_key, reads
-from s2sad.liveness import base_name
-from s2sad.tree import AST, Assign, AugAssign, Expr, Return, Subscript, While, names
+from s2sad.liveness import base_name, targets
+from s2sad.tree import AST, Assign, AugAssign, Expr, Name, Return, Subscript, While, names
 
 
 def unread_stores(problem: RecordingProblem, runs: Callable[[AST], bool], with_result: bool) -> frozenset[int]:
@@ -52,7 +52,20 @@ class _Reading:
             if isinstance(statement, AugAssign) and isinstance(statement.target, Subscript):
                 loads.append(statement.target)
             self.read(loads, names(heads(statement)), statement, False)
-        return frozenset(self.storing.keys() - self.run.keys())
+        return self.with_readers(self.storing.keys() - self.run.keys())
+
+    def with_readers(self, unread: Set[int]) -> frozenset[int]:
+        """The statements that are not run, with those that read what they return."""
+        places = self.structure.places
+        readers = by_key(((n, i) for i, p in places.items() if i not in self.run for n in names(heads(p.statement))),
+                         lambda pair: pair[0])
+        found, waiting = set(unread), [*unread]
+        while waiting:
+            for target in targets(places[waiting.pop()].statement):
+                more = [i for _, i in readers.get(target.id, ()) if i not in found] if isinstance(target, Name) else []
+                found.update(more)
+                waiting += more
+        return frozenset(found)
 
     def add(self, statement: AST) -> None:
         if id(statement) not in self.run:
