@@ -3,7 +3,9 @@ direction and in gradients, taken in turns."""
 from __future__ import annotations
 
 import os
+import tracemalloc
 from dataclasses import asdict
+from importlib.util import find_spec
 from statistics import median
 from time import process_time
 from typing import Any
@@ -41,20 +43,26 @@ def tables(quick: bool, kernels: list[str]) -> list[Table]:
     """Jacobians, sparse and dense, what integrators make of them, directions at once, and products with Hessians."""
     sparse = Table("Sparse Jacobians of the Brusselator, in calls of its compiled primal",
                    ("n", "matrix", "products", "evaluation", "unchecked", "plan"),
-                   [_of_the_brusselator(n, 10 if quick else 200) for n in (8, 32, 128)])
+                   [_of_the_brusselator(n, 10 if quick else 200) for n in (8, 32, 128)],
+                   [] if quick else [_of_a_large_one()])
     dense = Table("The dense Jacobian of upwind, 401 x 401, in calls of its compiled primal",
-                  ("directions at once", "Jacobian", "per direction"), _of_upwind(5 if quick else 50))
+                  ("directions at once", "Jacobian", "per batch", "per direction"), _of_upwind(5 if quick else 50),
+                  [_of_upwind_sparse(5 if quick else 50)])
     kernels = ["upwind", "brusselator", "seidel", "advect", "jacobi"]
     several = Table("Eight directions at once (batch=True), in calls for one", ("kernel", "tangents", "adjoints"),
                     [_at_once(name, 3 if quick else 20) for name in kernels])
     stiff = Table("The stiff Brusselator by solve_ivp(method=\"BDF\"), to t = 0.5",
                   ("n", "Jacobian", "time", "calls of f", "Jacobians", "factorizations"),
-                  [row for n in (16, 64) for row in _integrated(n, 1 if quick else 3)],
-                  ["Nearly all of the time goes into factorizations. Without its pattern SciPy factors dense matrices, "
-                   "at n = 64 of 8192 rows."])
+                  [row for n in ((8, 16) if quick else (16, 32, 64)) for row in _integrated(n, 1 if quick else 3)],
+                  ["Nearly all of the time goes into factorizations, which are the same ones where SciPy knows the "
+                   "pattern. Without it SciPy factors dense matrices, at n = 64 of 8192 rows."])
     hessian = Table("A product with the Hessian, in gradients", ("u", "gradient", "product", "ratio"),
                     [_with_the_hessian(n, 10 if quick else 100) for n in (100, 1000, 10_000)])
-    return [sparse, dense, several, stiff, hessian]
+    bridges = Table("A call of a kernel of 100 numbers through another package, over the compiled one",
+                    ("package", "value", "value over bare", "gradient", "gradient over bare", "target"), [
+                        row for package, target, make in (("jax", 60, _in_jax), ("torch", 30, _in_torch))
+                        for row in _bridged(package, target, make, 20 if quick else 200)])
+    return [sparse, dense, several, stiff, hessian, *([bridges] if bridges.rows else [])]
 
 
 def _of_upwind(rounds: int) -> list[tuple[str, ...]]:
@@ -68,7 +76,39 @@ def _of_upwind(rounds: int) -> list[tuple[str, ...]]:
     found = in_turns({"primal": lambda: primal(*args), **{
         str(b): lambda J=J: J(*args) for b, J in made.items()}}, rounds)
     unit = found.pop("primal")
-    return [(b, f"{taken / unit:.0f}", f"{taken / unit / args[1].size:.1f}") for b, taken in found.items()]
+    return [(b, f"{taken / unit:.0f}", f"{taken / unit / -(-args[1].size // int(b)):.1f}",
+             f"{taken / unit / args[1].size:.1f}") for b, taken in found.items()]
+
+
+def _of_upwind_sparse(rounds: int) -> str:
+    """What the same Jacobian takes as a sparse matrix, once it is planned."""
+    case = CASES["upwind"]
+    args = case.arguments("large")
+    f = s2sad.differentiate(case.function, engine="numba", wrt="u", of="du")
+    made = {"checked": s2sad.jacobian(f, sparse=True), "unchecked": s2sad.jacobian(f, sparse=True, check=False)}
+    for J in made.values():
+        J(*args)
+    found = in_turns({name: lambda J=J: J(*args) for name, J in made.items()}, rounds)
+    return (f"As a sparse matrix, once it is planned: {1e6 * found['checked']:.0f} us, "
+            f"{1e6 * found['unchecked']:.0f} us unchecked.")
+
+
+def _of_a_large_one() -> str:
+    """How time and memory grow up to n = 512."""
+    made = []
+    for n in (128, 512):
+        u = field(n)
+        args = np.zeros_like(u), u, np.array([3.4, 1.0, 10.0 * (n - 1) ** 2 / 961, 1.0 / n]), 0.0
+        J = s2sad.jacobian(s2sad.differentiate(brusselator, engine="numba", wrt="u", of="du"), sparse=True)
+        J(*args)
+        tracemalloc.start()
+        entries = J(*args).nnz
+        memory = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        made.append((in_turns({"": lambda: J(*args)}, 5)[""] / entries, memory / entries))  # noqa: B023
+    (little, bytes_of_it), (much, more) = made
+    return (f"From n = 128 to 512, of sixteen times the entries, an evaluation takes {much / little:.2f} times the "
+            f"time for each entry, and {more / bytes_of_it:.2f} times the memory ({more:.0f} bytes).")
 
 
 def _at_once(name: str, rounds: int) -> tuple[str, ...]:
@@ -114,7 +154,7 @@ def _integrated(n: int, rounds: int) -> list[tuple[str, ...]]:
 
     how: dict[str, dict[str, Any]] = {"s2sad": {"jac": lambda t, y: J(du, y.reshape(u.shape), p, t)},
                                       "SciPy, with the pattern": {"jac_sparsity": pattern}}
-    if n <= 16:
+    if n <= 32:
         how["SciPy"] = {}
     counts = {name: solved(**options) for name, options in how.items()}
     found = in_turns({name: lambda options=options: solved(**options) for name, options in how.items()}, rounds)
@@ -143,6 +183,48 @@ def _with_the_hessian(n: int, rounds: int) -> tuple[str, ...]:
                       "product": lambda: s2sad.hvp(f, (u, 0.1, 20), {"u": v})}, rounds)
     return (str(n), *(f"{1e6 * found[way]:.0f} us" for way in ("gradient", "product")),
             f"{found['product'] / found['gradient']:.2f}")
+
+
+def _bridged(package: str, target: int, make: Any, rounds: int) -> list[tuple[str, ...]]:
+    """The value and the gradient of a sum through another package, beside the compiled functions; none without it."""
+    if find_spec(package) is None:
+        return []
+    u = np.linspace(0.5, 1.5, 100)
+    f = s2sad.differentiate(_summed, engine="numba", wrt="u")
+    value, gradient = f.compiled("primal", u), f.compiled("adjoint", u, np.zeros(100), 1.0)
+    bar = np.zeros(100)
+    ways = {"bare": lambda: value(u), "bare gradient": lambda: gradient(u, bar, 1.0), **make(f, u)}
+    for way in ways.values():
+        way()
+    found = {name: 1e6 * taken for name, taken in in_turns(ways, rounds).items()}
+    over = [(found[name], found[name] - found[bare]) for name, bare in (("value", "bare"), (
+        "gradient", "bare gradient"))]
+    return [(package, *(f"{number:.0f} us" for pair in over for number in pair), f"{target} us")]
+
+
+def _in_jax(f: Any, u: np.ndarray) -> dict[str, Any]:
+    import jax
+    jax.config.update("jax_enable_x64", True)
+    of = s2sad.jax(f)
+    value, gradient, given = jax.jit(of), jax.jit(jax.grad(of)), jax.numpy.asarray(u)
+    return {"value": lambda: value(given).block_until_ready(), "gradient": lambda: gradient(given).block_until_ready()}
+
+
+def _in_torch(f: Any, u: np.ndarray) -> dict[str, Any]:
+    import torch
+    of, given, active = s2sad.torch(f), torch.from_numpy(u), torch.from_numpy(u.copy()).requires_grad_()
+
+    def gradient() -> None:
+        active.grad = None
+        of(active).backward()
+    return {"value": lambda: of(given), "gradient": gradient}
+
+
+def _summed(u):
+    total = 0.0
+    for i in range(u.size):
+        total += u[i] ** 3
+    return total
 
 
 def _diffused(u, dt, steps):

@@ -33,7 +33,7 @@ from benchmarks.tables import Table
 
 MODULES = {"peers": "benchmarks.peers.comparison", "gradbench": "benchmarks.peers.gradbench",
            "published": "benchmarks.published.section", "snapshots": "benchmarks.snapshot_curves",
-           "jacobians": "benchmarks.jacobians"}
+           "jacobians": "benchmarks.jacobians", "equations": "benchmarks.equations"}
 
 
 @dataclass(frozen=True)
