@@ -18,6 +18,7 @@ from s2sad.interface.selection import RETURN, places, seeds_by_position
 from s2sad.interface.value_calls import ForwardCall, PreparedCall, ReverseCall
 
 WIDTHS = (4, 8, 12, 16)
+_AT_A_TIME = 4096       # numbers of each direction that are copied
 
 
 def width_for(count: int) -> int:
@@ -88,15 +89,29 @@ class Lanes:
         else:
             made = np.empty((*given.shape[1:], self.width), given.dtype)
         if given is not None:
-            made[..., :len(given)] = np.moveaxis(given, 0, -1)
+            flat, width = given.reshape(len(given), -1), self.width
+            _transpose(flat, made.reshape(-1, width)[:, :len(given)])
         return made
 
     def found(self, value: Any, count: int) -> np.ndarray:
         """What a derivative has left for directions."""
-        return np.ascontiguousarray(np.moveaxis(value[..., :count], -1, 0))
+        made = np.empty((count, *value.shape[:-1]), value.dtype)
+        _transpose(value.reshape(-1, self.width)[:, :count], made.reshape(count, -1))
+        return made
 
     def add(self, shadow: Any, given: np.ndarray) -> None:
         shadow[..., :len(given)] += np.moveaxis(given, 0, -1)
+
+
+def _transpose(source: np.ndarray, target: np.ndarray) -> None:
+    """Copies what has the directions along one axis to where they lie along the other, in parts that caches hold."""
+    along = np.argmax(source.shape)
+    for first in range(0, source.shape[along], _AT_A_TIME):
+        part = slice(first, first + _AT_A_TIME)
+        if along == 0:
+            target[:, part] = source[part].T
+        else:
+            target[part] = source[:, part].T
 
 
 def _blocks(count: int, width: int) -> Iterator[slice]:
