@@ -14,13 +14,15 @@ the last one that is are run again, and states are kept on the way.
         return (held, count, trips, u_snapshots)
 
 A state lies in a row of its arrays' snapshots, in memory or in a file; there is one row more than states are kept, for
-the last. Which states are kept is for `runtime.revolve` to say where the number of steps is known, at the least number
-of runs; else every second, fourth, ... one is, and what is left is kept on the way back.
+the last. Of an array of which steps change a known region alone (`stored_regions`) this is kept, and steps run again in
+the array itself: `u[2:m] = u_snapshots[count - 1]`. Which states are kept is for `runtime.revolve` to say where the
+number of steps is known, at the least number of runs; else every second, fourth, ... one is, and what is left is kept
+on the way back.
 """
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from s2sad.analyze.callee_derivatives import CalleeDerivative
@@ -45,12 +47,13 @@ from s2sad.tree import (
 @dataclass(frozen=True)
 class StepDerivative:
     """What is known of a step: its parameters and their types, the positions of its active arguments and results, its
-    adjoint (None if nothing is active), and what is kept of its state."""
+    adjoint (None if nothing is active), and what is kept of its state: of arrays the `regions` that steps change."""
     parameters: tuple[str, ...]
     arguments: tuple[int, ...]
     results: tuple[int, ...]
     adjoint: CalleeDerivative | None
     state: tuple[str, ...]
+    regions: Mapping[str, tuple[AST, ...]] = field(default_factory=dict)
 
 
 class CheckpointedAdjoint:
@@ -62,7 +65,8 @@ class CheckpointedAdjoint:
         self.request, self.typing, self.free = request, typing, free
         self.stored = {n: self.new(f"{n}_snapshots", array(typing.table[n].dtype, typing.table[n].rank + 1))
                        for n in step.state}
-        self.again = {n: self.new(f"{n}_again", typing.table[n]) for n in step.state if typing.table[n].is_array}
+        self.again = {n: self.new(f"{n}_again", typing.table[n]) for n in step.state
+                      if typing.table[n].is_array and n not in step.regions}
         self.held_steps = self.bookkeeping()
         self.trips = self.new("trips", INT)
         self.places = loop.snapshots.count
@@ -74,6 +78,11 @@ class CheckpointedAdjoint:
 
     def new(self, hint: str, kind: Type) -> str:
         return self.typing.declare(self.free.fresh(hint), kind)
+
+    def part(self, value: str, arrays: Mapping[str, str] = MappingProxyType({})) -> AST:
+        """What is kept of a value that lies in `arrays`."""
+        region = self.step.regions.get(value)
+        return name(arrays.get(value, value)) if region is None else index(name(value), *map(copy, region))
 
     def bookkeeping(self) -> list[str]:
         """Names of what is known of the states that are kept; those that the second half is given are returned."""
@@ -155,10 +164,11 @@ class CheckpointedAdjoint:
         for value, snapshots in self.stored.items():
             kind = self.typing.table[value]
             if kind.is_array and self.loop.snapshots.on_disk is not None:
-                made.append(assign(snapshots, call("runtime.on_disk", name(value), copy(rows),
+                made.append(assign(snapshots, call("runtime.on_disk", self.part(value), copy(rows),
                                                    const(self.loop.snapshots.on_disk))))
                 continue
-            size = binary(tuple_of(copy(rows)), Add(), attribute(name(value), "shape")) if kind.is_array else copy(rows)
+            size = copy(rows) if not kind.is_array else binary(
+                tuple_of(copy(rows)), Add(), attribute(self.part(value), "shape"))
             dtype = [] if kind.dtype == "float64" else [
                 name("numpy.bool_" if kind.dtype == "bool" else f"numpy.{kind.dtype}")]
             made.append(assign(snapshots, call("numpy.empty", size, *dtype)))
@@ -174,7 +184,7 @@ class CheckpointedAdjoint:
     def keep(self, trip: str, end: AST | None, arrays: Mapping[str, str] = MappingProxyType({})) -> list[AST]:
         """The state before a step is kept, that lies in `arrays`; before `end` another may be, if that is known."""
         made: list[AST] = [assign(index(name(self.held), name(self.count)), name(trip))]
-        made += [assign(index(name(s), name(self.count)), name(arrays.get(n, n))) for n, s in self.stored.items()]
+        made += [assign(index(name(s), name(self.count)), self.part(n, arrays)) for n, s in self.stored.items()]
         made.append(augment(self.count, Add(), const(1)))
         if end is not None:
             made.append(assign(self.following, self.next_kept(name(trip), end)))
@@ -200,7 +210,7 @@ class CheckpointedAdjoint:
             assign(kept, name(self.kept)), *before, *allocated, backwards, *after,
             *([Return(tuple_of(*values))] if values else [])])
         return Derivative(made, self.shadows, signature, returned, rows=self.rows(),
-                          snapshots={s: n for n, s in self.stored.items()}, trips=self.trips)
+                          snapshots={s: self.part(n) for n, s in self.stored.items()}, trips=self.trips)
 
     def state_before(self) -> list[AST]:
         """The state before a step, by the steps from the last state that is kept; others are kept on the way."""
@@ -219,8 +229,9 @@ class CheckpointedAdjoint:
 
     def loaded(self, row: AST) -> list[AST]:
         """The state of a row, where steps run again."""
-        return [assign(index(name(self.again[n]), Slice(None, None, None)) if n in self.again else n,
-                       index(name(s), copy(row))) for n, s in self.stored.items()]
+        return [assign(index(name(self.again[n]), Slice(None, None, None)) if n in self.again else
+                       self.part(n) if n in self.step.regions else n, index(name(s), copy(row)))
+                for n, s in self.stored.items()]
 
     def signature(self) -> tuple[list[tuple[str, str, str]], list[AST], list[AST]]:
         """The parameters; the shadows that are bound before the steps, and what is added behind them."""

@@ -21,7 +21,7 @@ class Derivative:
     tape: Tape | None = None
     kept: list[tuple[str, AST]] = field(default_factory=list)
     sums: set[str] = field(default_factory=set)
-    snapshots: dict[str, str] = field(default_factory=dict)
+    snapshots: dict[str, AST] = field(default_factory=dict)
     rows: AST | None = None
     trips: str = ""
     again: bool = True

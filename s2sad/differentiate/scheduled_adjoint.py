@@ -66,7 +66,7 @@ class ScheduledAdjoint(CheckpointedAdjoint):
 
     def kept_on_the_way(self, trip: str, arrays: Mapping[str, str] = MappingProxyType({})) -> AST:
         """The state before a step is kept where that is the next entry's."""
-        made = [assign(index(name(s), name(self.row)), name(arrays.get(n, n))) for n, s in self.stored.items()]
+        made = [assign(index(name(s), name(self.row)), self.part(n, arrays)) for n, s in self.stored.items()]
         return If(compare(name(trip), Eq(), self.entry(0)),
                   [assign(self.row, self.entry(1)), *made, augment(self.place, Add(), const(1))], [])
 

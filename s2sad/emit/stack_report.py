@@ -12,7 +12,7 @@ from s2sad.liveness import base_name
 from s2sad.differentiate.tape import Stack
 from s2sad.emit.layout import text
 from s2sad.emit.origins import text_of
-from s2sad.tree import AST, Attribute, Name, Tuple, attribute, const, mult, name, rename, stored_names, walk
+from s2sad.tree import AST, Attribute, Name, Tuple, attribute, const, copy, mult, rename, stored_names, walk
 from s2sad.units import UnitDerivative
 
 
@@ -120,12 +120,13 @@ def _recorded(derived: UnitDerivative, key: str, stack: Stack) -> StackEntry:
                       stack.grows, family)
 
 
-def _snapshot(derived: UnitDerivative, stack: str, variable: str) -> StackEntry:
-    """The states that a loop keeps of an array or a number."""
+def _snapshot(derived: UnitDerivative, stack: str, kept: AST) -> StackEntry:
+    """The states that a loop keeps of an array, of a part of one or of a number."""
     unit, loop = derived.unit, derived.unit.loop
     assert loop is not None and derived.made.rows is not None
-    kind, family = unit.typing.table[variable], unit.family
-    cells = [attribute(name(variable), "size")] if kind.is_array else []
+    variable, family = base_name(kept), unit.family
+    kind = unit.typing.table[variable]
+    cells = [attribute(copy(kept), "size")] if kind.is_array else []
     each = np.dtype(kind.dtype).itemsize
     said = text_of(loop.loop, unit.kernel.source, _LONGEST)
     return StackEntry(stack, variable, f"{family.get(variable, variable)} before some steps of `{said}`", kind.dtype,

@@ -60,9 +60,10 @@ class Calls:
         return refilled_by_call(node, array, known, self)
 
     def adjoint_after(self, statement: AST) -> bool:
-        """Whether a statement's adjoint runs in the state that it leaves: it solves for what it stores."""
+        """Whether a statement's adjoint runs in the state that it leaves: it solves for what it stores, or begins its
+        steps in states that it has kept."""
         unit = self.callee(statement.value) if is_kernel_call(statement) else None
-        return reads_own_result(statement) if unit is None else bool(unit.kernel.residual)
+        return reads_own_result(statement) if unit is None else bool(unit.kernel.residual) or unit.loop is not None
 
 
 def stored_arrays(tree: FunctionDef, calls: Calls) -> set[str]:

@@ -15,6 +15,7 @@ from s2sad.analyze.callee_derivatives import ActivityPattern, CalleeDerivative, 
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.recording_plan import RecordingPlan
 from s2sad.analyze.request import DerivativeRequest
+from s2sad.analyze.stored_regions import stored_region
 from s2sad.analyze.tape_entries.decision_reads import DecisionReads, deciding_parameters
 from s2sad.analyze.unbounded_values import UnboundedValues, unbounded_values_of
 from s2sad.analyze.work_arrays import refills
@@ -174,7 +175,8 @@ class Units(NormalForms):
         for name, kind in zip(parameters, step.types):
             if name not in typing.table:
                 typing.declare(name, kind)
-        found = StepDerivative(parameters, pattern.arguments, pattern.results, adjoint, state)
+        found = StepDerivative(parameters, pattern.arguments, pattern.results, adjoint, state,
+                               self._regions(step, loop, state))
         kind = ScheduledAdjoint if loop.snapshots.schedule is not None and state else CheckpointedAdjoint
         halves = kind(loop, found, [p.id for p in unit.function.args.args], request, typing, names)
         forward = halves.forward(self.titles.fresh(f"{unit.title}_forward"))
@@ -222,6 +224,15 @@ class Units(NormalForms):
         accesses = Accesses(effects.writes, effects.pure, effects.unread)
         found = live_state(step.function, counter, changed, needed, accesses, self)
         return tuple(n for n in parameters if n in found)
+
+    def _regions(self, step: Unit, loop: OutlinedLoop, state: tuple[str, ...]) -> dict[str, tuple[AST, ...]]:
+        """The parts of arrays of a step's state that steps change, where not all of them may be."""
+        counter = loop.loop.target.id if isinstance(loop.loop, For) else ""
+        fixed = {p for p, t in zip((p.id for p in step.function.args.args), step.types) if t.is_number} - {
+            counter, *loop.results}
+        found = {n: stored_region(step.structure, n, fixed) for n, t in zip(
+            (p.id for p in step.function.args.args), step.types) if n in state and t.is_array}
+        return {n: region for n, region in found.items() if region}
 
     def unbounded(self, called: Call) -> UnboundedValues | None:
         """What can be infinite or nan in a callee, whatever is active there."""

@@ -6,7 +6,6 @@ Engine: NumPy. Level: plain. Arguments:
     n: int64, in
 
 It records:
-    v_before: v before `for k in timesteps(range(n), snapshots=3):`, 8 * v.size bytes
     u_before in kernel_k_step_adjoint: u before `u += c * v`, 8 * u.size bytes
     u_snapshots in kernel_k_loop_adjoint: u before some steps of `for k in
         timesteps(range(n), snapshots=3):`, 8 * min(4, len(range(n))) * u.size
@@ -96,13 +95,11 @@ def kernel_adjoint(u, u_bar, c, n, result_bar):
     # forward sweep: only what the reverse sweep reads
     v = np.empty_like(u)
     energy = 0.0
-    v_before = np.copy(v)
     energy_1, kept = kernel_k_loop_forward(n, u, v, c, energy)
     # reverse sweep
     c_bar = 0.0
     v_bar = np.zeros_like(v)
     # return energy
     energy_1_bar = result_bar
-    v[...] = v_before
     (c_bar,) = kernel_k_loop_adjoint(n, u, u_bar, v, v_bar, c, c_bar, energy, energy_1_bar, kept)
     return (c_bar,)

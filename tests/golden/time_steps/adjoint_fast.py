@@ -6,7 +6,6 @@ Engine: Numba. Level: fast. Arguments:
     n: int64, in
 
 It records:
-    v_before: v before `for k in timesteps(range(n), snapshots=3):`, 8 * v.size bytes
     u_stack in kernel_k_step_adjoint: u before `u += c * v`, 8 * u.shape[0] bytes
     u_snapshots in kernel_k_loop_adjoint: u before some steps of `for k in
         timesteps(range(n), snapshots=3):`, 8 * min(4, len(range(n))) * u.size
@@ -102,16 +101,12 @@ def kernel_adjoint_taped(u, u_bar, c, n, result_bar, arena):
     # forward sweep: only what the reverse sweep reads
     v, top = allocate(arena, 0, u.shape)
     energy = 0.0
-    v_before, top = allocate(arena, top, v.shape)
-    v_before[...] = v
     energy_1, kept = kernel_k_loop_forward(n, u, v, c, energy)
     # reverse sweep
     c_bar = 0.0
     v_bar, top = allocate_zeros(arena, top, u.shape)
     # return energy
     energy_1_bar = result_bar
-    for i in range(u.shape[0]):
-        v[i] = v_before[i]
     (c_bar,) = kernel_k_loop_adjoint(n, u, u_bar, v, v_bar, c, c_bar, energy, energy_1_bar, kept)
     return c_bar, top
 
