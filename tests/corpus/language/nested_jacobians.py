@@ -53,10 +53,26 @@ def cubed(t):
     return t ** 3
 
 
+def pull(x, k):
+    return -s2sad.gradient(total, "u")(x, k)
+
+
+# where Python runs a kernel its Jacobians are NumPy's: what they emit is not what the kernel's derivatives do
+residual_by_numpy = s2sad.differentiate(residual, engine="numpy")
+rates_by_numpy = s2sad.differentiate(rates, engine="numpy")
+running_by_numpy = s2sad.differentiate(running, engine="numpy")
+of_two_axes_by_numpy = s2sad.differentiate(of_two_axes, engine="numpy")
+product_by_numpy = s2sad.differentiate(product, engine="numpy")
+total_by_numpy = s2sad.differentiate(total, engine="numpy")
+circle_by_numpy = s2sad.differentiate(circle, engine="numpy")
+cubed_by_numpy = s2sad.differentiate(cubed, engine="numpy")
+pull_by_numpy = s2sad.differentiate(pull, engine="numpy")
+
+
 # -- what differentiates -------------------------------------------------------------------------------------------
 def newton(u, p):
     for _ in range(6):
-        J = s2sad.jacobian(residual, wrt="u")(u, p)
+        J = s2sad.jacobian(residual_by_numpy, wrt="u")(u, p)
         u = u - np.linalg.solve(J, residual(u, p))
     return u
 
@@ -65,7 +81,7 @@ def newton_until_small(u, p):
     """With a test, and one Jacobian for several steps."""
     r = residual(u, p)
     while np.max(np.abs(r)) > 1e-10:
-        J = s2sad.jacobian(residual, "u")(u, p)
+        J = s2sad.jacobian(residual_by_numpy, "u")(u, p)
         for _ in range(2):
             u = u - np.linalg.solve(J, r)
             r = residual(u, p)
@@ -79,65 +95,62 @@ def implicit_steps(u, k, dt, steps):
         v = u.copy()
         for _ in range(3):
             rates(du, v, k)
-            J = s2sad.jacobian(rates, wrt="u", of="du")(du, v, k)
+            J = s2sad.jacobian(rates_by_numpy, wrt="u", of="du")(du, v, k)
             v = v - np.linalg.solve(eye - dt * J, v - u - dt * du)
         u = v
     return u
 
 
 def of_what_writes(x, k):
-    J = s2sad.jacobian(running, "u", "return")(x, k)
+    J = s2sad.jacobian(running_by_numpy, "u", "return")(x, k)
     return np.sum(J ** 2) + np.sum(x)
 
 
 def by_rows(x, k):
-    J = s2sad.jacobian(running, "u", "return", mode="reverse")(x, k)
+    J = s2sad.jacobian(running_by_numpy, "u", "return", mode="reverse")(x, k)
     return np.sum(J[1] * x) + np.sum(J[:, 0] ** 2)
 
 
 def by_rows_of_a_written_array(x, k):
-    return np.linalg.det(s2sad.jacobian(rates, wrt="u", of="du", mode="reverse")(np.zeros(3), x, k) + np.eye(3))
+    J = s2sad.jacobian(rates_by_numpy, wrt="u", of="du", mode="reverse")(np.zeros(3), x, k)
+    return np.linalg.det(J + np.eye(3))
 
 
 def of_a_matrix(x, k):
-    J = s2sad.jacobian(of_two_axes, wrt="a")(np.outer(x, x)[:2, :2], k)
+    J = s2sad.jacobian(of_two_axes_by_numpy, wrt="a")(np.outer(x, x)[:2, :2], k)
     return np.sum(J[0] * J[1]) + J[2, 1, 1]
 
 
 def to_a_matrix(x, k):
-    J = s2sad.jacobian(product, wrt="x", mode="forward")(np.outer(x, x) * k, x)
+    J = s2sad.jacobian(product_by_numpy, wrt="x", mode="forward")(np.outer(x, x) * k, x)
     return np.sum(J[:, :, 1] * x)
 
 
 def of_a_number(x, k):
-    return np.sum(s2sad.jacobian(total, wrt="u")(x, k) * x)
+    return np.sum(s2sad.jacobian(total_by_numpy, wrt="u")(x, k) * x)
 
 
 def by_a_number(x, k):
-    return np.dot(s2sad.jacobian(circle)(k), x[:2])
+    return np.dot(s2sad.jacobian(circle_by_numpy)(k), x[:2])
 
 
 def of_and_by_numbers(x, k):
-    return s2sad.jacobian(cubed)(k * x[0])
+    return s2sad.jacobian(cubed_by_numpy)(k * x[0])
 
 
 def of_a_position(x, k):
-    return np.sum(s2sad.jacobian(rates, 1, "du")(np.zeros(3), x, k) * np.outer(x, P))
+    return np.sum(s2sad.jacobian(rates_by_numpy, 1, "du")(np.zeros(3), x, k) * np.outer(x, P))
 
 
 def trace_of_steps(x, k):
     for _ in range(3):
-        x = x + 0.1 * np.diag(s2sad.jacobian(residual, "u")(x, k * P))
+        x = x + 0.1 * np.diag(s2sad.jacobian(residual_by_numpy, "u")(x, k * P))
     return np.sum(x)
 
 
 def hessian_of_a_gradient(x, k):
     """The Jacobian of a function that calls a gradient."""
-    return np.sum(s2sad.jacobian(pull, "x")(x, k) ** 2)
-
-
-def pull(x, k):
-    return -s2sad.gradient(total, "u")(x, k)
+    return np.sum(s2sad.jacobian(pull_by_numpy, "x")(x, k) ** 2)
 
 
 # -- one derivative for several types ------------------------------------------------------------------------------
@@ -150,8 +163,8 @@ def of_several_types(x, k):
 
 
 def jacobians_of_several_types(x, k):
-    J = s2sad.jacobian(total, "u")(x, k)
-    return np.sum(J * x) + s2sad.jacobian(total, "u")(k * k, k) + np.sum(s2sad.jacobian(total, "u")(
+    J = s2sad.jacobian(total_by_numpy, "u")(x, k)
+    return np.sum(J * x) + s2sad.jacobian(total_by_numpy, "u")(k * k, k) + np.sum(s2sad.jacobian(total_by_numpy, "u")(
         np.outer(x, x), k) ** 2)
 
 
