@@ -12,8 +12,8 @@ from s2sad.analyze.dependence import range_parts
 from s2sad.liveness import targets
 from s2sad.simplify.algebra import add_constant, simplify_index
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, BinOp, Constant, For, If, Name, Subscript, USub, UnaryOp, call_name, copy, dump,
-    is_comment, names, walk, walk_statements,
+    AST, Add, Assign, Attribute, AugAssign, BinOp, Constant, For, If, Mult, Name, Sub, Subscript, USub, UnaryOp,
+    call_name, copy, dump, indices, is_comment, names, walk, walk_statements,
 )
 
 
@@ -98,6 +98,52 @@ def counter_offset(node: AST, counter: str) -> int | None:
     """The constant d of a subscript `counter + d`; None for any other one."""
     form = affine(node)
     return form.constant if form is not None and form.terms == ((counter, 1),) else None
+
+
+def least_counter(loop: For) -> int | None:
+    """The least number that a loop may count, None if it is not known.
+
+    `range((m - 1) * 2, -2, -2)` counts even numbers, and none of them is below 0.
+    """
+    start, stop, step = range_parts(loop)
+    if not isinstance(step, int):
+        return None
+    if step > 0:
+        first = affine(start)
+        return first.constant if first is not None and not first.terms else None
+    last = affine(stop)
+    if last is None or last.terms:
+        return None
+    rest = _remainder(start, -step)
+    return last.constant + 1 + (0 if rest is None else (rest - last.constant - 1) % -step)
+
+
+def _remainder(node: AST, divisor: int) -> int | None:
+    """What an integer expression leaves when it is divided, None if that is not known."""
+    if divisor == 1:
+        return 0
+    if isinstance(node, Constant) and type(node.value) is int:
+        return node.value % divisor
+    if not isinstance(node, BinOp) or not isinstance(node.op, (Add, Sub, Mult)):
+        return None
+    left, right = _remainder(node.left, divisor), _remainder(node.right, divisor)
+    if isinstance(node.op, Mult) and 0 in (left, right):
+        return 0
+    if left is None or right is None:
+        return None
+    made = left * right if isinstance(node.op, Mult) else left + right if isinstance(node.op, Add) else left - right
+    return made % divisor
+
+
+def are_apart(a: Subscript, b: Subscript, least: Mapping[str, int]) -> bool:
+    """Whether two references to an array have different numbers along an axis, none of them counted from the end;
+    `least` has the least numbers of counters."""
+    for x, y in zip(indices(a), indices(b)):
+        first, second = affine(x), affine(y)
+        if is_nonnegative(first, least) and is_nonnegative(second, least) and first is not None and (
+                second is not None) and first.terms == second.terms and first.constant != second.constant:
+            return True
+    return False
 
 
 def is_loop_free(block: list[AST], writing: Set[str] = frozenset()) -> bool:

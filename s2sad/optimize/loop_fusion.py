@@ -32,14 +32,14 @@ from s2sad.blocks import with_blocks
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.simplify.algebra import add_constant, simplify_index
-from s2sad.optimize.loop_bounds import bound_names, counted_loop, counter_offset, stored_elements
+from s2sad.optimize.loop_bounds import are_apart, bound_names, counted_loop, counter_offset, stored_elements
 from s2sad.optimize.iteration_spaces import IterationSpaces
 from s2sad.optimize.loop_nests import Nest, perfect_nest
 from s2sad.optimize.array_contraction import Mentions, Contractible
 from s2sad.optimize.statement_order import may_move_behind
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
-    AST, Add, Assert, Assign, AugAssign, Break, Constant, FunctionDef, If, Name, Return, Sub, Subscript,
+    AST, Add, Assert, Assign, AugAssign, Break, FunctionDef, If, Name, Return, Sub, Subscript,
     copy, dump, indices, is_comment, name, names, rebuild, walk, walk_statements, with_body,
 )
 
@@ -160,15 +160,9 @@ class LoopFusion:
         bound = bound_names(first.body) | bound_names(body)
         both = [(a, b) for a in places[0] for b in places[1] if id(a) in stores or id(b) in stores]
         return Mentions([*first.body, *body]).only_by_elements(array) and all(
-            _are_apart(a, b) or dump(a.slice) == dump(b.slice) and not bound & set(names(a.slice)) and set(
+            are_apart(a, b, {}) or dump(a.slice) == dump(b.slice) and not bound & set(names(a.slice)) and set(
                 first.counters) <= {c for s in indices(a) for c in first.counters if counter_offset(s, c) is not None}
             for a, b in both)
-
-
-def _are_apart(a: Subscript, b: Subscript) -> bool:
-    """Whether two references have different numbers along an axis: other rows of one array."""
-    return any(isinstance(s, Constant) and isinstance(t, Constant) and type(s.value) is type(t.value) is int
-               and s.value != t.value and min(s.value, t.value) >= 0 for s, t in zip(indices(a), indices(b)))
 
 
 def _with_counters_of(nest: Nest, other: Nest) -> list[AST] | None:

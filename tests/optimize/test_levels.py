@@ -84,6 +84,28 @@ def two_tests(x, y):
         y[i] = left * x[i] * right
 
 
+def of_two_rows(u, v, w):
+    for i in range(u.size):
+        g = np.exp(w[i] * u[i])
+        h = np.tanh(w[i] * v[i])
+        u[i] = u[i] * g + v[i]
+        v[i] = v[i] * h * u[i]
+
+
+def pairs_of_rows(m, w):
+    for k in range(0, m.shape[0], 2):
+        of_two_rows(m[k], m[k + 1], w)
+
+
+def rows_around(m, w):
+    for k in range(m.shape[0]):
+        of_two_rows(m[k], m[k - 1], w)
+
+
+def rows_that_are_chosen(m, w, k, n):
+    of_two_rows(m[k], m[n], w)
+
+
 SPELLING = {f"builtins.{f}": f for f in ("range", "min", "max")}
 VECTORS = (three_points, wrapped_to_the_last, two_tests)
 
@@ -168,6 +190,10 @@ def test_levels_agree_on_numbered_programs(first):
     (cross, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.zeros((4, 5))), ("m",), ("r",)),
     (a_row_that_may_be_another, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.zeros((4, 5)), 1), ("m",), ("r",)),
     (a_row_that_may_be_another, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.zeros((4, 5)), -3), ("m",), ("r",)),
+    (pairs_of_rows, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.linspace(0.3, 0.9, 5)), ("m", "w"), ("m",)),
+    (rows_around, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.linspace(0.3, 0.9, 5)), ("m", "w"), ("m",)),
+    (rows_that_are_chosen, (np.linspace(0.5, 1.5, 20).reshape(4, 5), np.linspace(0.3, 0.9, 5), 2, -1), ("m", "w"),
+     ("m",)),
     (overwritten_row_behind, (np.linspace(0.5, 1.5, 9), 1.1, 3), ("x", "a"), ("x",)),
     (overwritten_row_ahead, (np.linspace(0.5, 1.5, 9), 1.1, 3), ("x", "a"), ("x",)),
 ], ids=lambda v: getattr(v, "__name__", ""))
@@ -188,6 +214,16 @@ def test_what_broadcasting_gains_is_added_in_partial_sums():
     pytest.importorskip("numba")
     found = gradient(differentiate(sum_of_multiples, engine="numba"), wrt="c")(0.3, np.full(10 ** 6, 0.1))
     assert abs(found - 1e5) < 3e4 * np.spacing(1e5)
+
+
+def test_rows_are_apart_where_their_numbers_are():
+    """Not where one may be counted from the end: with one row, rows 0 and -1 are the same."""
+    m, w = np.ones((4, 5)), np.ones(5)
+    for kernel, arguments, apart in ((pairs_of_rows, (m, w), True), (rows_around, (m, w), False), (
+            rows_that_are_chosen, (m, w, 1, 2), False)):
+        plain, fast = texts(kernel, arguments, ("m", "w"), ("m",))
+        own = [t.text.partition("def of_two_rows_adjoint(")[2].partition("\ndef ")[0] for t in (plain, fast)]
+        assert (own[0] != own[1]) is apart
 
 
 def test_which_elements_are_held():
