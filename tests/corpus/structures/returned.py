@@ -104,7 +104,72 @@ def added_to_a_number(x):
     return s.u
 
 
+def _first_above(s, x):
+    """A number out of a loop that changes a field."""
+    for v in x:
+        s.k = s.k * 0.9 + 0.3 * v
+        if s.k > 1.2:
+            return s.k
+    return 0.1 * s.k
+
+
+def _halved(s, x):
+    while s.k > 0.5:
+        s.k = 0.5 * s.k * x[0]
+        if s.k < 0.2:
+            return 3.0 * s.k
+        for v in x:
+            s.k += 0.1 * v
+            if v > 1.0:
+                return s.k * v
+    return s.k
+
+
+def _pair(s, x):
+    for v in x:
+        s.k = s.k * 0.9 + 0.3 * v
+        if s.k > 0.8:
+            return s.k, v
+    return s.k, 0.1
+
+
+def out_of_loops_in_rounds(x):
+    """A loop around the call, of which it is not known when it ends, goes on with what the call left."""
+    s, n = S(x.copy(), 0.5), 0
+    while s.k < 2.0:
+        n += 1
+        if n > 3:
+            break
+        s.k = s.k * 0.9 + _first_above(s, x)
+    return s.k * np.sum(x)
+
+
+def out_of_two_loops_in_rounds(x):
+    s, total = S(x.copy(), 0.9), 0.0
+    while total < 4.0:
+        s.k = s.k + 0.4
+        total += _halved(s, x) + 0.2 * _first_above(s, x)
+        if s.k > 2.0:
+            break
+        _halved(s, x)
+    return s.k * total
+
+
+def pairs_out_of_loops_in_rounds(x):
+    s, total = S(x.copy(), 0.2), 0.0
+    for v in x:
+        a, b = _pair(s, x)
+        s.k = 0.4 * a * v
+        total += a * b
+        if _first_above(s, x) > 2.0:
+            break
+    return s.k * total
+
+
 def cases():
+    # out of loops
+    for kernel in (out_of_loops_in_rounds, out_of_two_loops_in_rounds, pairs_out_of_loops_in_rounds):
+        yield Case(kernel, (X,), "x")
     # added in place
     yield Case(added_in_place, (X,), ("x",), ("x", "return"))
     yield Case(added_in_place, (X[:2].astype(np.float32),), ("x",), ("x", "return"))

@@ -160,7 +160,7 @@ def _go_on(ev: Evaluator, loop: ResidualLoop, values: Mapping[Any, Value], origi
     """Behind a loop that may have been left for marks outside of it."""
     items = ev.heap.objects.pop(loop.left.number).items
     for mark in loop.goals:
-        flag, value = items["left", mark], values.get(("value", mark))
+        flag, value = items["left", mark], values.get(("value", mark), items.get(("value", mark)))    # or at home
 
         def going(mark: int = mark, value: Value | None = value) -> None:
             ev.leave(origin, mark, None if value is None else bound_throughout(ev, value))
