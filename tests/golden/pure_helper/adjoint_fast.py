@@ -22,8 +22,9 @@ def bent_adjoint(a, b, result_bar):
     # return a * a / b
     result_bar_1 = result_bar
     if not taken:
-        a_bar += 2.0 * (a * (result_bar_1 / b if result_bar_1 != 0.0 else 0.0))
-        b_bar -= result * result_bar_1 / b if result_bar_1 != 0.0 else 0.0
+        reciprocal = 1.0 / b
+        a_bar += 2.0 * (a * (result_bar_1 * reciprocal if result_bar_1 != 0.0 else 0.0))
+        b_bar -= result * result_bar_1 * reciprocal if result_bar_1 != 0.0 else 0.0
     return a_bar, b_bar
 
 
