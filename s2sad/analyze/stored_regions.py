@@ -3,8 +3,8 @@
     u[0] = u[0] * c                                         u[:1]
     for i in range(2, m): u[i, 0] = v[i]                    u[2:m, :1]
 
-It may be larger than what is stored, and ends at an end of an axis where nothing better is known. All but a rim counts
-as all of an array: as much would be kept.
+It may be larger than what is stored, and ends at an end of an axis where nothing better is known, or where it might
+begin before the first place. All but a rim counts as all of an array: as much would be kept.
 """
 from __future__ import annotations
 
@@ -64,7 +64,8 @@ class _Region:
         lows = [interval and interval[0] for interval in found]
         highs = [interval and interval[1] for interval in found]
         low, high = _extreme(lows, least=True), _extreme(highs, least=False)
-        return Slice(None if low is None or low == Affine() or not self.is_known(low) else _expression(low),
+        begins = low is not None and low != Affine() and self.is_known(low) and _is_natural(low)
+        return Slice(_expression(low) if begins and low is not None else None,
                      None if high is None or extent is None or high == extent or not self.is_known(high) else
                      _end(high, extent), None)
 
@@ -107,16 +108,16 @@ class _Region:
             if not isinstance(loop, For) or factor == 0:
                 continue
             start, stop, step = range_parts(loop)
-            first, end = self.dependence.form(start), self.dependence.form(self.unclamped(stop, start))
+            first, end = self.dependence.form(start), self.dependence.form(self.unclamped(stop, start, step))
             if not isinstance(step, int) or first is None or end is None:
                 return None
             low, high = (first, end.shift(-1)) if step > 0 else (end.shift(1), first)
             form = form.replaced({loop.target.id: low if least == (factor > 0) else high})
         return form
 
-    def unclamped(self, stop: AST, start: AST) -> AST:
-        """A bound that is not less than the stop of a loop, where there are iterations."""
-        if call_name(stop) == "builtins.min":
+    def unclamped(self, stop: AST, start: AST, step: int | AST) -> AST:
+        """A bound that iterations do not go beyond, as they do not beyond the stop of a loop."""
+        if call_name(stop) == "builtins.min" and isinstance(step, int) and step > 0:
             known = [a for a in stop.args if isinstance(a, Constant)]
             return known[0] if known else stop
         if call_name(stop) == "builtins.max" and isinstance(start, Constant):
@@ -127,6 +128,11 @@ class _Region:
     def is_known(self, form: Affine) -> bool:
         """Whether a form is known before the function."""
         return all(s in self.fixed or ".shape[" in s and s.partition(".")[0] in self.parameters for s, _ in form.terms)
+
+
+def _is_natural(form: Affine) -> bool:
+    """Whether a form is not negative for any sizes: a place that is would be counted from the end."""
+    return form.constant >= 0 and all(c > 0 and ".shape[" in s for s, c in form.terms)
 
 
 def _extreme(forms: Sequence[Affine | None], least: bool) -> Affine | None:

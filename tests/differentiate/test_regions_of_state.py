@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import s2sad
+from tests.harness.seeds import generator
 
 ENGINES = pytest.mark.parametrize("engine", ["numpy", "numba"])
 
@@ -190,3 +191,60 @@ def test_files_and_both_halves(kernel, engine, tmp_path):
             halves.reverse(tape, u_bar, seed, keep=True)
             np.testing.assert_allclose(u_bar, seed * expected["u"], rtol=1e-13)
     assert value == kernel(u.copy(), 0.1, 9, 4) or engine == "numba"
+
+
+# -- regions that might begin before the first place ----------------------------------------------------------------
+def down_to_the_lesser(u, m, v):
+    for _k in range(6):
+        for i in range(11, min(5, m), -1):
+            for _j in range(i):
+                u[i] = u[i] * np.cos(u[i] * 0.1)
+
+
+def down_to_the_greater(u, m, v):
+    for _k in range(6):
+        for i in range(11, max(5, m), -1):
+            for _j in range(i):
+                u[i] = u[i] * np.cos(u[i] * 0.1)
+
+
+def from_a_number(u, m, v):
+    for _k in range(6):
+        for i in range(m, 8):
+            for _j in range(i):
+                u[i] = u[i] * np.cos(u[i] * 0.1)
+
+
+def from_a_size(u, m, v):
+    for _k in range(6):
+        for i in range(v.size - 5, 10):
+            for _j in range(i):
+                u[i] = u[i] * np.cos(u[i] * 0.1)
+
+
+def down_to_a_number(u, m, v):
+    for _k in range(6):
+        for i in range(8, m, -1):
+            for j in range(i):
+                u[i] = u[i] * np.cos(u[j] * 0.1)
+
+
+def one_of_two_stores(u, m, v):
+    for _k in range(6):
+        for _j in range(m):
+            u[m] = u[m] * np.cos(u[m] * 0.1)
+        for _j in range(m - 5):
+            u[m - 5:m - 3] = u[m - 5:m - 3] * np.cos(u[m] * 0.1)
+
+
+@pytest.mark.parametrize("kernel", [down_to_the_lesser, down_to_the_greater, from_a_number, from_a_size,
+                                    down_to_a_number, one_of_two_stores], ids=lambda k: k.__name__)
+def test_places_before_the_first(kernel):
+    """A slice that begins below 0 begins at the end: such a region begins at 0."""
+    u, seed = 0.4 + generator(3).random(12), {"u": np.arange(12.0) + 1.0}
+    kept, recorded = (s2sad.differentiate(kernel, engine="numpy", wrt="u", **options) for options in (
+        {"checkpoint": {"_k": 3}}, {}))
+    for m in range(-3, 9):
+        given = u, m, np.zeros(abs(m))
+        found = s2sad.vjp(kept, given, seed)["u"]
+        assert found.tolist() == s2sad.vjp(recorded, given, seed)["u"].tolist(), m

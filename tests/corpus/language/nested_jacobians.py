@@ -185,6 +185,10 @@ def of_nothing(x, p):
     return np.sum(s2sad.jacobian(rates, "u")(np.zeros(3), x, 1.0))
 
 
+def of_what_it_was(x, p):
+    return np.sum(s2sad.jacobian(running_by_numpy, "u", "u")(x, p[0]))
+
+
 def of_no_mode(x, p):
     return np.sum(s2sad.jacobian(residual, "u", mode="sideways")(x, p))
 
@@ -210,6 +214,9 @@ def cases():
              "derivative is with respect to: wrt=\"x\""),
             (of_nothing, "S201 at `s2sad.jacobian(rates, \"u\")(np.zeros(3), x, 1.0)`: the derivative of what 'rates' "
              "returns: it is not one value that it computes: let it return the one float or array that is meant"),
+            (of_what_it_was, "S201 at `s2sad.jacobian(running_by_numpy, \"u\", \"u\")(x, p[0])`: a Jacobian of 'u' "
+             "with respect to itself, as it was before, is not supported in a kernel: write a function that returns a "
+             "new array"),
             (of_no_mode, "S201 at `s2sad.jacobian(residual, \"u\", mode=\"sideways\")(x, p)`: there is no mode "
              "'sideways': \"auto\", \"forward\" or \"reverse\""),
             (of_complex_numbers, "S201 at `s2sad.jacobian(total, \"u\")(x * 1j, 1.0)`: a Jacobian of complex numbers: "
