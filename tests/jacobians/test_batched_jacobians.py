@@ -4,6 +4,7 @@ from __future__ import annotations
 import copy
 import inspect
 import warnings
+from zlib import crc32
 
 import numpy as np
 import pytest
@@ -72,8 +73,11 @@ def test_compiled_batches():
 
 
 def vectors():
-    """Some kernels of the corpus with an array of float64, and an array that is written or returned."""
-    for name, case in list(corpus.cases())[::70]:
+    """Some kernels of the corpus with an array of float64, and an array that is written or returned, chosen by their
+    names."""
+    for name, case in corpus.cases():
+        if crc32(name.encode()) % 70:
+            continue
         names = list(inspect.signature(case.kernel).parameters)
         wrt = next((n for n, a in zip(names, case.arguments) if (case.wrt is None or n in case.wrt) and (
             isinstance(a, np.ndarray) and a.dtype == float)), None)

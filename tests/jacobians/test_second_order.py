@@ -4,6 +4,7 @@ from __future__ import annotations
 import copy
 import inspect
 import warnings
+from zlib import crc32
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import s2sad
 from s2sad.run.module_loader import load
 from tests import corpus
 from tests.corpus.recording import rounded_values
+from tests.corpus.structures import choices
 from tests.harness.engines import one_line, running
 from tests.jacobians import kernels
 
@@ -109,8 +111,11 @@ def test_plans_of_symmetric_matrices(tmp_path):
 
 
 def numbers():
-    """Some kernels of the corpus that returns a float, with an argument of float64."""
-    for name, case in list(corpus.cases())[::60]:
+    """Some kernels of the corpus that return a float, with an argument of float64, chosen by their names: what is added
+    to the corpus leaves them. A bisection is none: it is linear between numbers closer than differences tell."""
+    for name, case in corpus.cases():
+        if crc32(name.encode()) % 60 or case.kernel is choices.a_root_that_may_not_be:
+            continue
         names = list(inspect.signature(case.kernel).parameters)
         wrt = next((n for n, a in zip(names, case.arguments) if (case.wrt is None or n in case.wrt) and (
             isinstance(a, float) or isinstance(a, np.ndarray) and a.dtype == float)), None)
