@@ -244,8 +244,9 @@ class _Matrix(_Wrapper):
         self.body = [assign(index(name(unit), *own), const(1.0))]
         self.seeds[asked] = name(unit)
         [product] = super().called()
-        places = {asked: own, found: [Slice(None, None, None) for _ in axes[found]]}
-        self.body += [assign(index(name(whole), *places[of], *places[wrt]), product),
+        rest = [Slice(None, None, None) for _ in axes[found]]
+        places = [*own, *rest] if self.nested.mode == "adjoint" else [*rest, *own]
+        self.body += [assign(index(name(whole), *places), product),
                       assign(index(name(unit), *own), const(0.0))]
         for counter, size in reversed([*zip(counters, axes[asked])]):
             self.body = [counted_for(counter, [copy(size)], self.body)]

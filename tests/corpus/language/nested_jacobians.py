@@ -148,6 +148,13 @@ def trace_of_steps(x, k):
     return np.sum(x)
 
 
+def of_what_was_there(x, k):
+    """Of an array that is written with respect to what it held, by columns and by rows."""
+    J = s2sad.jacobian(running_by_numpy, "u", "u")(x, k)
+    K = s2sad.jacobian(running_by_numpy, "u", "u", mode="reverse")(x * x, k)
+    return np.sum(J * x) + np.sum(K @ J)
+
+
 def hessian_of_a_gradient(x, k):
     """The Jacobian of a function that calls a gradient."""
     return np.sum(s2sad.jacobian(pull_by_numpy, "x")(x, k) ** 2)
@@ -185,10 +192,6 @@ def of_nothing(x, p):
     return np.sum(s2sad.jacobian(rates, "u")(np.zeros(3), x, 1.0))
 
 
-def of_what_it_was(x, p):
-    return np.sum(s2sad.jacobian(running_by_numpy, "u", "u")(x, p[0]))
-
-
 def of_no_mode(x, p):
     return np.sum(s2sad.jacobian(residual, "u", mode="sideways")(x, p))
 
@@ -202,8 +205,8 @@ def cases():
     yield Case(newton_until_small, (X.copy(), P.copy()), "p")
     yield Case(implicit_steps, (X.copy(), 1.3, 0.2, 3), ("u", "k", "dt"))
     for kernel in (of_what_writes, by_rows, by_rows_of_a_written_array, of_a_matrix, to_a_matrix, of_a_number,
-                   by_a_number, of_and_by_numbers, of_a_position, trace_of_steps, hessian_of_a_gradient,
-                   of_several_types, jacobians_of_several_types):
+                   by_a_number, of_and_by_numbers, of_a_position, trace_of_steps, of_what_was_there,
+                   hessian_of_a_gradient, of_several_types, jacobians_of_several_types):
         yield Case(kernel, (X.copy(), 1.3), ("x", "k"))
     for kernel, refused in (
             (sparse, "S201 at `s2sad.jacobian(residual, \"u\", sparse=True)`: 'sparse' of s2sad.jacobian is not "
@@ -214,9 +217,6 @@ def cases():
              "derivative is with respect to: wrt=\"x\""),
             (of_nothing, "S201 at `s2sad.jacobian(rates, \"u\")(np.zeros(3), x, 1.0)`: the derivative of what 'rates' "
              "returns: it is not one value that it computes: let it return the one float or array that is meant"),
-            (of_what_it_was, "S201 at `s2sad.jacobian(running_by_numpy, \"u\", \"u\")(x, p[0])`: a Jacobian of 'u' "
-             "with respect to itself, as it was before, is not supported in a kernel: write a function that returns a "
-             "new array"),
             (of_no_mode, "S201 at `s2sad.jacobian(residual, \"u\", mode=\"sideways\")(x, p)`: there is no mode "
              "'sideways': \"auto\", \"forward\" or \"reverse\""),
             (of_complex_numbers, "S201 at `s2sad.jacobian(total, \"u\")(x * 1j, 1.0)`: a Jacobian of complex numbers: "

@@ -128,9 +128,6 @@ def _called_jacobian(ev: Evaluator, args: Args, options: Options, node: AST, f: 
     if len(asked) != 1 or len(outputs) != 1:
         raise ev.refusal(node, "a Jacobian of several outputs, or with respect to several arguments, is not supported",
                          help='call it for each: wrt="x", of="y"')
-    if [*asked] == [*outputs]:
-        raise ev.refusal(node, f"a Jacobian of '{asked[0]}' with respect to itself, as it was before, is not supported "
-                         "in a kernel", help="write a function that returns a new array")
     by = "auto" if _is_none(mode) else ev.known(mode, node, "the mode of a Jacobian")
     if by not in _MODES:
         raise ev.refusal(node, f"there is no mode {by!r}", help='"auto", "forward" or "reverse"')
