@@ -101,7 +101,7 @@ class _Covered:
         counted = [s for s, _ in form.terms if s in self.counters]
         if not counted:
             valid = [at_most(form.shift(1), extent), at_most(extent.times(-1), form)]
-            first = self.from_start(form, extent, valid)
+            first = self.dependence.from_start(form, extent, self.reference, valid)
             return None if first is None else (first, first.shift(1))
         [counter, *others] = counted
         start, stop, step = range_parts(self.counters[counter])
@@ -111,7 +111,8 @@ class _Covered:
             return None
         self.used.append(counter)
         low, high = (low, high) if step == 1 else (high.shift(1), low.shift(1))
-        return (low.plus(rest), high.plus(rest)) if self.never(low.plus(rest).shift(1).times(-1), []) else None
+        first, last = low.plus(rest), high.plus(rest)
+        return (first, last) if self.dependence.from_start(first, extent, self.reference, []) == first else None
 
     def slice(self, subscript: Slice, axis: int) -> Interval | None:
         """The places of a slice. A bound that is clamped to the axis bounds no less; one above that may be negative
@@ -122,20 +123,12 @@ class _Covered:
             return None
         low = Affine() if subscript.lower is None else self.dependence.form(subscript.lower)
         high = extent if subscript.upper is None else self.dependence.form(subscript.upper)
-        first = None if low is None else self.from_start(low, extent, [])
+        first = None if low is None else self.dependence.from_start(low, extent, self.reference, [])
         if first is None or high is None:
             return None
-        return first, high if subscript.upper is None else self.from_start(high, extent, []) or high
-
-    def from_start(self, form: Affine, extent: Affine, valid: list[Affine]) -> Affine | None:
-        """A place as it is counted from the start; None if it may be counted either way."""
-        if self.never(at_most(form.shift(1), Affine()), valid):
-            return form
-        return form.plus(extent) if self.never(form, valid) else None
-
-    def never(self, form: Affine, valid: list[Affine]) -> bool:
-        """Whether a form is negative wherever others are not, in the loops around the store."""
-        return not feasible([*self.dependence.bounds(self.reference), *valid, form])
+        if subscript.upper is None:
+            return first, high
+        return first, self.dependence.from_start(high, extent, self.reference, []) or high
 
     def is_fixed(self, form: Affine) -> bool:
         """Whether a form is the same in all iterations of the nest."""

@@ -176,6 +176,14 @@ class Dependence:
             cases.append((form.plus(extent), negative))
         return cases
 
+    def from_start(self, form: Affine, extent: Affine, reference: ArrayReference, valid: list[Affine]) -> Affine | None:
+        """A place on an axis as it is counted from the start, where what is `valid` holds in the loops around a
+        reference; None if it may be counted either way."""
+        bounds = [*self.bounds(reference), *valid]
+        if not feasible([*bounds, at_most(form.shift(1), Affine())]):
+            return form
+        return None if feasible([*bounds, form]) else form.plus(extent)
+
     def may_overwrite(self, first: ArrayReference, later: ArrayReference, within: AST | None = None,
                       same: bool = False) -> bool:
         """Whether `later`, executed after `first`, may be to a cell of `first`.

@@ -12,7 +12,7 @@ from collections.abc import Collection, Sequence
 
 from s2sad.analyze.dependence import ArrayReference, Dependence, range_parts
 from s2sad.analyze.program_structure import ProgramStructure
-from s2sad.infer.affine import Affine, at_most, feasible
+from s2sad.infer.affine import Affine, at_most
 from s2sad.infer.slice_extents import is_whole
 from s2sad.liveness import base_name, targets
 from s2sad.tree import (
@@ -79,7 +79,7 @@ class _Region:
         if form is None:
             return None
         valid = [at_most(form.shift(1), extent), at_most(extent.times(-1), form)]
-        place = self.from_start(form, extent, store, valid)
+        place = self.dependence.from_start(form, extent, store, valid)
         first, last = (None if place is None else self.bound(place, store, least) for least in (True, False))
         return None if first is None or last is None else (first, last.shift(1))
 
@@ -89,17 +89,10 @@ class _Region:
         found: list[Affine | None] = []
         for end, missing, least in ((subscript.lower, Affine(), True), (subscript.upper, extent, False)):
             form = missing if end is None else self.dependence.form(end)
-            place = form if form is None or end is None else self.from_start(form, extent, store, [])
+            place = form if form is None or end is None else self.dependence.from_start(form, extent, store, [])
             found.append(None if place is None else self.bound(place, store, least))
         low, high = found
         return None if low is None or high is None else (low, high)
-
-    def from_start(self, form: Affine, extent: Affine, store: ArrayReference, valid: list[Affine]) -> Affine | None:
-        """A place as it is counted from the start; None if it may be counted either way."""
-        bounds = [*self.dependence.bounds(store), *valid]
-        if not feasible([*bounds, at_most(form.shift(1), Affine())]):
-            return form
-        return None if feasible([*bounds, form]) else form.plus(extent)
 
     def bound(self, form: Affine, store: ArrayReference, least: bool) -> Affine | None:
         """The least or the largest value of a form in the loops around a store; None if it is not known."""
