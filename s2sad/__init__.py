@@ -31,7 +31,10 @@ if TYPE_CHECKING:
     from s2sad.interface.jax_names import grad as grad, value_and_grad as value_and_grad
     from s2sad.interface.loop_marks import timesteps as timesteps
     from s2sad.jacobians.compression_plan import Plan as Plan
-    from s2sad.jacobians.jacobian import Jacobian as Jacobian, jacobian as jacobian
+    from s2sad.jacobians.jacobian import (
+        Jacobian as Jacobian, ValueAndJacobian as ValueAndJacobian, jacobian as jacobian,
+        value_and_jacobian as value_and_jacobian,
+    )
     from s2sad.jacobians.second_order import Hessian as Hessian, hessian as hessian, hvp as hvp
     from s2sad.odes.loss_gradients import OdeGradient as OdeGradient, ode_gradient as ode_gradient
     from s2sad.odes.right_hand_side import Ode as Ode, ode as ode
@@ -61,7 +64,7 @@ _HOMES = {
     "interface.jax_names": ("grad", "value_and_grad"),
     "interface.loop_marks": ("timesteps",),
     "jacobians.compression_plan": ("Plan",),
-    "jacobians.jacobian": ("Jacobian", "jacobian"),
+    "jacobians.jacobian": ("Jacobian", "ValueAndJacobian", "jacobian", "value_and_jacobian"),
     "jacobians.second_order": ("Hessian", "hessian", "hvp"),
     "interface.tapes": ("Tape", "clear"),
     "odes.loss_gradients": ("OdeGradient", "ode_gradient"),
@@ -74,9 +77,10 @@ __all__ = [
     "Active", "BatchDuplicated", "Batched", "Bench", "Checked", "Const", "Differentiated", "Duplicated",
     "DuplicatedNoNeed", "Explanation", "Forward", "ForwardWithPrimal", "Hessian", "Jacobian", "Memory", "Ode",
     "OdeGradient", "Plan", "Reverse", "ReverseWithPrimal", "S2sadError", "S2sadWarning", "Snapshots", "Tape",
+    "ValueAndJacobian",
     "autodiff", "batched", "bench", "casadi", "check", "clear", "differentiate", "explain", "grad", "gradient",
     "hessian", "hvp", "jacobian", "jax", "jvp", "make_zero", "nondifferentiable", "ode", "ode_gradient", "rule",
-    "timesteps", "torch", "value_and_grad", "value_and_gradient", "vjp",
+    "timesteps", "torch", "value_and_grad", "value_and_gradient", "value_and_jacobian", "vjp",
 ]
 
 

@@ -44,6 +44,8 @@ def pytest_configure(config):
     config.addinivalue_line("markers", "emits(case): what the text for Numba does is compiled: harness/constructs.py")
     from s2sad.dispatch import artifacts
     artifacts.ENABLED = False   # every test derives what it asks for; tests/dispatch/test_artifacts.py says otherwise
+    from s2sad.jacobians import batch_widths
+    batch_widths.clock = lambda: 0.0    # widths go by numbers of directions; tests/jacobians/test_batch_widths.py
     if config.getoption("compiled"):
         from tests.harness.engines import compiling
         compiling.append(True)

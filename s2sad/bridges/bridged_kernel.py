@@ -64,16 +64,7 @@ class BridgedKernel:
     def primal(self, values: Sequence[Any]) -> list[Any]:
         """The outputs."""
         copies = self._own(self.prepared, values)
-        variant: Executable | None = self._calls.get("primal")
-        first = variant is None
-        if variant is None:
-            variant = self._calls["primal"] = self.request("primal")
-        arguments = variant.assemble(copies, {}, (), self.state.private_outside_arrays(self.types))
-        variant.for_call(arguments)
-        if first:
-            variant.prepare(arguments)
-        returned = variant.call(*arguments)
-        parts = returned if len(self.prepared.results.types) > 1 else (returned,)
+        parts = self.prepared.primal(copies)
         return [parts[o.place] if o.name == RETURN else copies[o.name] for o in self.outputs]
 
     def vjp(self, values: Sequence[Any], seeds: Sequence[Any], wrt: tuple[str, ...], of: tuple[str, ...]) -> list[Any]:

@@ -7,6 +7,7 @@ _FUNCTIONS = {
     **dict.fromkeys(("derivative", "elementwise_grad"), 'write s2sad.gradient(f, wrt="x")'),
     **dict.fromkeys(("grad_and_value", "val_grad"), 'write s2sad.value_and_gradient(f, wrt="x")'),
     **dict.fromkeys(("jac", "jacrev", "jacfwd", "jacobi"), 'write s2sad.jacobian(f, wrt="x")'),
+    **dict.fromkeys(("value_and_jac", "jacobian_and_value"), 'write s2sad.value_and_jacobian(f, wrt="x")'),
     **dict.fromkeys(("hess",), 'write s2sad.hessian(f, wrt="x")'),
     **dict.fromkeys(("hessian_vector_product", "vhp"), 'write s2sad.hvp(f, args, {"x": v})'),
     **dict.fromkeys(("jit", "njit", "compile"), "there is nothing to do: derivatives are compiled where Numba is "

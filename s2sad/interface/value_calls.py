@@ -6,6 +6,7 @@ spent here.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -90,6 +91,21 @@ class PreparedCall:
             variant.prepare(arguments)
             self._ready.add(id(variant))
         return variant.run(arguments)
+
+    def primal(self, values: Mapping[str, Any]) -> tuple[Any, ...]:
+        """Calls the function itself, which writes these values: what it returns, one by one."""
+        variant = self._primal
+        arguments = variant.assemble(values, {}, (), self.state.private_outside_arrays(self.types))
+        variant.for_call(arguments)
+        if id(variant) not in self._ready:
+            variant.prepare(arguments)
+            self._ready.add(id(variant))
+        returned = variant.call(*arguments)
+        return returned if len(self.results.types) > 1 else (returned,)
+
+    @cached_property
+    def _primal(self) -> Executable:
+        return self.state.variant(Request("primal", self.types, (), ()), self.engine)
 
     def _copied(self, variant: Executable, arguments: Sequence[Any], shadows: Mapping[str, Any]) -> int:
         """The bytes of what a call makes beside the derivative."""

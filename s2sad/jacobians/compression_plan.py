@@ -2,19 +2,24 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.extras import needed
-from s2sad.jacobians.coloring import colored, count_of, loops, star_colored, starts_of
+from s2sad.jacobians.bidirectional import Colors, Pattern, by_columns, fewest
+from s2sad.jacobians.coloring import count_of, loops, star_colored, starts_of
 from s2sad.jacobians.linear_maps import LinearMap, size
+from s2sad.jacobians.told_entries import ToldEntries
 from s2sad.report.picture import figure_class
 
+Mode = Literal["auto", "forward", "reverse", "both"]
+PlanMode = Mode | Literal["symmetric"]
+Widths = tuple[int, int]
 _PRECISION = {"f": 1e-3, "d": 1e-7}     # by the character of a dtype
 
 
@@ -23,52 +28,48 @@ def scipy_sparse() -> Any:
     return needed("scipy.sparse", "a sparse matrix", "ask for the dense one")
 
 
-@dataclass(frozen=True)
-class Batch:
-    """Directions that are asked for at once; which entries they tell, and where these stand in what comes of them."""
-    directions: np.ndarray
-    entries: Any
-    places: np.ndarray
-
-
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """How a sparse matrix is made: its pattern (CSR), the colours of its columns, or of its rows where it is made by
-    adjoints, for arguments of these shapes. Of a symmetric one an entry may be taken from the other side. It is never
-    changed, so that threads share it.
+    """How a sparse matrix is made: its pattern (CSR), the colours of its columns and of its rows, -1 where no product
+    has them, for arguments of these shapes; an entry is told by its column, or by its row, of a symmetric matrix from
+    either side. It is never changed, so that threads share it.
 
-    `colors` counts the products that a matrix takes; `save` and `load` keep it in a file (.npz), `picture` draws it.
+    `colors` counts the products that a matrix takes; `widths` are how many directions tangents and adjoints have at
+    once by what was measured, 0 where nothing was. `save` and `load` keep it in a file (.npz), `picture` draws it.
     """
     taken: tuple[int, ...]
     given: tuple[int, ...]
     indptr: np.ndarray
     indices: np.ndarray
-    color_of: np.ndarray
+    column_colors: np.ndarray
+    row_colors: np.ndarray
     mode: str
+    widths: Widths = (0, 0)
 
     @classmethod
-    def of(cls, starts: np.ndarray, indices: np.ndarray, of: LinearMap, mode: str) -> Plan:
-        """The plan for the entries of a map, by rows: with "forward" or "reverse" products, or what takes fewer; or
-        with those of a "symmetric" matrix."""
+    def of(cls, starts: np.ndarray, indices: np.ndarray, of: LinearMap, mode: PlanMode) -> Plan:
+        """The plan for the entries of a map, by rows: with "forward" or "reverse" products, or "both", whatever takes
+        fewer; with what is cheapest ("auto"), where an adjoint costs two to three tangents; or with those of a
+        "symmetric" matrix."""
         if mode == "symmetric":
             starts, indices, twins = symmetrized(starts, indices)
-            return cls(of.taken, of.given, starts.astype(np.int32), indices.astype(np.int32),
-                       star_colored(starts, indices, twins, of.engine), mode)
-        by_column, rows = loops(of.engine).turned(starts, indices, size(of.taken))
-        columns = None if mode == "reverse" else colored(by_column, rows, starts, of.engine)
-        chosen, forward = columns, True
-        # an adjoint costs two to three tangents; a column has no more rows than there are colours of these
-        if columns is None or mode == "auto" and count_of(columns) > 2 * np.diff(by_column).max(initial=0):
-            chosen = colored(starts, indices, by_column, of.engine)
-            forward = columns is not None and count_of(columns) <= 2 * count_of(chosen)
-        chosen = columns if forward else chosen
-        assert chosen is not None
-        return cls(of.taken, of.given, starts.astype(np.int32), indices.astype(np.int32), chosen,
-                   "forward" if forward else "reverse")
+            colors = Colors(star_colored(starts, indices, twins, of.engine), np.full(len(starts) - 1, -1))
+        else:
+            pattern = Pattern(starts, indices, size(of.taken), of.engine)
+            colors = (by_columns(pattern, pattern.turned()) if mode == "forward" else
+                      by_columns(pattern.turned(), pattern).turned() if mode == "reverse" else
+                      fewest(pattern, 2 if mode == "auto" else 1))
+        return cls(of.taken, of.given, starts.astype(np.int32), indices.astype(np.int32), colors.columns, colors.rows,
+                   colors.mode if mode in ("auto", "both") else mode)
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """How many tangents and adjoints a matrix takes."""
+        return count_of(self.column_colors), count_of(self.row_colors)
 
     @cached_property
     def colors(self) -> int:
-        return count_of(self.color_of)
+        return sum(self.counts)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -78,64 +79,41 @@ class Plan:
     def rows(self) -> np.ndarray:
         return np.repeat(np.arange(self.shape[0]), np.diff(self.indptr))
 
-    @property
-    def _asked(self) -> np.ndarray:
-        """The column of each entry, or its row where it is made by adjoints: what directions are of."""
-        return self.rows if self.mode == "reverse" else self.indices
-
-    @property
-    def _answers(self) -> np.ndarray:
-        return self.indices if self.mode == "reverse" else self.rows
-
     @cached_property
-    def _told_by(self) -> Any:
+    def told(self) -> tuple[ToldEntries, ...]:
+        """What each kind of products tells."""
+        columns, rows = self.column_colors, self.row_colors
+        if self.mode == "forward":
+            return ToldEntries(False, columns, None, self.indices, self.rows),
+        if self.mode == "reverse":
+            return ToldEntries(True, rows, None, self.rows, self.indices),
+        alone = _alone(self.rows, columns[self.indices])
+        if self.mode == "symmetric":
+            by = self._either_side(alone)
+            return ToldEntries(False, columns, None, self.indices[by], self.rows[by]),
+        assert np.all(alone | _alone(self.indices, rows[self.rows])), "no colouring of columns and rows"
+        first, second = np.flatnonzero(alone), np.flatnonzero(~alone)
+        return (ToldEntries(False, columns, first, self.indices[first], self.rows[first]),
+                ToldEntries(True, rows, second, self.rows[second], self.indices[second]))
+
+    def _either_side(self, alone: np.ndarray) -> np.ndarray:
         """The entry that a product tells in place of each one: of a symmetric matrix that above the diagonal or that
         below, whichever is alone in its row with the colour of its column."""
-        if self.mode != "symmetric":
-            return slice(None)
-        places = self.rows * max(self.colors, 1) + self.color_of[self.indices]
-        alone = np.bincount(places, minlength=1)[places] == 1
         twins = symmetrized(self.indptr, self.indices)[2]
         every = np.arange(len(twins))
         above = np.where(self.rows <= self.indices, every, twins)
         assert np.all(alone | alone[twins]), "no star colouring"
         return np.where(alone[above], above, twins[above])
 
-    @cached_property
-    def _batches(self) -> dict[tuple[int, bool], list[Batch]]:
-        return {}
-
-    def batches(self, width: int, check: bool) -> list[Batch]:
-        """The directions of all colours, so many at once, and that of the check behind them."""
-        if (width, check) not in self._batches:
-            colors, count = self.color_of[self._asked[self._told_by]], -(-(self.colors + check) // width)
-            answers = self._answers[self._told_by]
-            # no entry has to be picked where one batch has them all
-            order = None if self.colors <= width else np.argsort(colors // width, kind="stable")
-            ends, made = starts_of(colors // width, count), []
-            for k, (first, last) in enumerate(zip(ends, ends[1:])):
-                mine = slice(first, last) if order is None else order[first:last]
-                directions = np.zeros((len(self.color_of), width))
-                members = np.flatnonzero(self.color_of // width == k)
-                directions[members, self.color_of[members] - k * width] = 1.0
-                if check and k == count - 1:
-                    directions[:, self.colors - k * width] = self._probe
-                places = answers[mine].astype(np.intp) * width + (colors[mine] - k * width)
-                made.append(Batch(directions, mine, places))
-            self._batches[width, check] = made
-        return self._batches[width, check]
-
-    def entries(self, of: LinearMap, check: bool) -> tuple[np.ndarray, np.ndarray]:
+    def entries(self, of: LinearMap, check: bool, widths: Widths | None = None, threads: int = 1
+                ) -> tuple[np.ndarray, np.ndarray]:
         """The entries of a linear map's matrix, by rows; and, if they are to be checked, what the map does to one more
         direction."""
-        transposed = self.mode == "reverse"
-        width = of.width(self.colors + check, transposed)
-        batches = self.batches(width, check)
-        made, theirs = np.empty(len(self.indices), of.dtype), np.zeros(0)
-        for batch, found in zip(batches, of.products((b.directions for b in batches), width, transposed)):
-            made[batch.entries] = found.reshape(-1).take(batch.places)
-            if check and batch is batches[-1]:
-                theirs = found[:, self.colors % width].astype(float)
+        made, theirs, (first, *others) = np.empty(len(self.indices), of.dtype), np.zeros(0), self.told
+        measured = widths or self.widths
+        theirs = first.tell(of, made, self._probe if check else None, measured[first.transposed], threads)
+        for told in others:
+            told.tell(of, made, None, measured[told.transposed], threads)
         return made, theirs
 
     def agrees(self, of: LinearMap, entries: np.ndarray, theirs: np.ndarray, rounded: bool = False) -> bool:
@@ -143,7 +121,8 @@ class Plan:
         not. Entries that are nothing but rounding errors differ from one direction to the next: what is that small
         beside the greatest is let pass if it may be `rounded`."""
         precision = _PRECISION[of.dtype.char]
-        return loops(of.engine).agrees(entries, self._weights, self._answers, theirs, precision,
+        answers = self.indices if self.told[0].transposed else self.rows
+        return loops(of.engine).agrees(entries, self._weights, answers, theirs, precision,
                                        1e-5 * precision if rounded else 0.0)
 
     def holds(self, starts: np.ndarray, indices: np.ndarray) -> bool:
@@ -153,12 +132,12 @@ class Plan:
 
     @cached_property
     def _probe(self) -> np.ndarray:
-        return np.random.default_rng(len(self.indices)).uniform(1.0, 2.0, len(self.color_of))
+        return np.random.default_rng(len(self.indices)).uniform(1.0, 2.0, len(self.told[0].color_of))
 
     @cached_property
     def _weights(self) -> np.ndarray:
         """What the check multiplies each entry with."""
-        return self._probe[self._asked]
+        return self._probe[self.rows if self.told[0].transposed else self.indices]
 
     @cached_property
     def _made(self) -> dict[str, Any]:
@@ -183,21 +162,29 @@ class Plan:
     def save(self, path: str | PathLike[str]) -> None:
         """Writes it to a file of NumPy's (.npz)."""
         np.savez(path, taken=self.taken, given=self.given, indptr=self.indptr, indices=self.indices,
-                 color_of=self.color_of, mode=self.mode)
+                 column_colors=self.column_colors, row_colors=self.row_colors, mode=self.mode, widths=self.widths)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Plan:
         """A plan that `save` wrote."""
         with np.load(path) as held:
-            taken, given = (tuple(map(int, held[name])) for name in ("taken", "given"))
-            return cls(taken, given, held["indptr"], held["indices"], held["color_of"], str(held["mode"]))
+            taken, given, (tangents, adjoints) = (tuple(map(int, held[name])) for name in ("taken", "given", "widths"))
+            return cls(taken, given, held["indptr"], held["indices"], held["column_colors"], held["row_colors"],
+                       str(held["mode"]), (tangents, adjoints))
+
+    def measured(self, widths: Widths) -> Plan:
+        """The plan with these widths."""
+        return replace(self, widths=widths)
 
     def picture(self, path: str | PathLike[str]) -> None:
         """Draws the pattern in its colours to a file that matplotlib writes; needs matplotlib (S405)."""
         figure = figure_class()(figsize=(5.0, 5.0), layout="constrained")
         axes = figure.add_subplot()
         size = max(0.2, min(40.0, 9e4 / max(self.shape) ** 2))
-        axes.scatter(self.indices, self.rows, c=self.color_of[self._asked], s=size, marker="s", cmap="tab20",
+        colors = np.empty(len(self.indices), int)
+        for told, before in zip(self.told, (0, self.counts[0])):
+            colors[slice(None) if told.places is None else told.places] = told.color_of[told.asked] + before
+        axes.scatter(self.indices, self.rows, c=colors, s=size, marker="s", cmap="tab20",
                      linewidths=0.0)
         axes.set(xlim=(-0.5, self.shape[1] - 0.5), ylim=(self.shape[0] - 0.5, -0.5), aspect="equal",
                  title=f"{len(self.indices):,} entries, {self.colors} products")
@@ -205,7 +192,15 @@ class Plan:
 
     def __repr__(self) -> str:
         height, width = self.shape
-        return f"<plan of a {height} x {width} matrix: {len(self.indices)} entries, {self.colors} {self.mode} products>"
+        counts = " and ".join(f"{n} {kind}" for n, kind in zip(self.counts, ("forward", "reverse"))
+                              ) if self.mode == "both" else f"{self.colors} {self.mode}"
+        return f"<plan of a {height} x {width} matrix: {len(self.indices)} entries, {counts} products>"
+
+
+def _alone(lines: np.ndarray, colors: np.ndarray) -> np.ndarray:
+    """Whether each entry is the only one of its colour in its line, and has one."""
+    places = lines * (int(colors.max(initial=-1)) + 2) + colors + 1
+    return (np.bincount(places, minlength=1)[places] == 1) & (colors >= 0)
 
 
 def symmetrized(starts: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from s2sad.dispatch.cache import ProgramVersion
-from s2sad.dispatch.executable import Executable
+from s2sad.dispatch.executable import Executable, kind_of
 from s2sad.infer.types import Type
-from s2sad.interface.batch_calls import width_for
+from s2sad.interface.batch_calls import WIDTHS, width_for
 from s2sad.interface.selection import RETURN, places
 from s2sad.interface.value_calls import ForwardCall, PreparedCall, ReverseCall
 from s2sad.jacobians.direction_arrays import Lanes, Lists, Memory, Single
@@ -106,6 +106,13 @@ class PreparedJacobian:
         """The shape of the output; None where only a run tells it."""
         return values[self._held].shape if self._held is not None else None if self.output.is_array else ()
 
+    def value(self, args: Sequence[Any]) -> Any:
+        """The output."""
+        values = self.forward.private_copies(args)
+        returned = self.forward.primal(dict(zip(self.forward.names, values)))
+        found = returned[0] if self._held is None else values[self._held]
+        return np.array(found) if self.output.is_array else kind_of(self.output)(found)
+
 
 class JacobianMap:
     """The Jacobian where f is given these values; `batch` is how many directions are taken at once, None: by their
@@ -125,14 +132,26 @@ class JacobianMap:
             self._given = way.layout.shape(next(way.run(self._args, [zeros], self.taken, {})))
         return self._given
 
-    def width(self, count: int | None, transposed: bool = False) -> int:
-        most = self._batch or (1 if count == 1 else max(_FEWEST, width_for(count or 0)))
+    def width(self, count: int | None, transposed: bool = False, measured: int | None = None) -> int:
+        most = self._batch or measured or (1 if count == 1 else max(_FEWEST, width_for(count or 0)))
         if self.engine == "numpy" and count is not None:    # there any number will do
             most = min(most, max(count, 1))
         return self._prepared.products(most, transposed).layout.width
 
+    def widths(self, count: int, transposed: bool = False) -> Sequence[int]:
+        """Of those that take as many calls the smallest, from the one by count down to its half."""
+        usual = self.width(count, transposed)
+        if self._batch or self.engine == "numpy" or usual == 1:
+            return ()
+        calls = {-(-count // width): width for width in reversed(WIDTHS) if usual <= 2 * width <= 2 * usual}
+        return sorted({usual, *calls.values()}, reverse=True)
+
+    def value(self) -> Any:
+        """The output itself."""
+        return self._prepared.value(self._args)
+
     def products(self, directions: Iterable[np.ndarray], width: int, transposed: bool = False) -> Iterator[np.ndarray]:
-        memory = self._memories.pop() if self._memories else {}
+        memory = self._lent_memory()
         way = self._prepared.products(width, transposed)
         try:
             for found in way.run(self._args, directions, self.given if transposed else self.taken, memory):
@@ -140,3 +159,9 @@ class JacobianMap:
         finally:
             if sum([a.nbytes for a in memory.values()]) <= _KEPT:
                 self._memories.append(memory)
+
+    def _lent_memory(self) -> Memory:
+        try:
+            return self._memories.pop()     # which threads share
+        except IndexError:
+            return {}

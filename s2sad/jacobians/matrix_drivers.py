@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -17,31 +17,35 @@ from s2sad.infer.types import Type
 from s2sad.interface.pickling import Decorated
 from s2sad.interface.pytrees import Flattened, flatten
 from s2sad.interface.value_calls import selection_of
+from s2sad.jacobians.batch_widths import MeasuredWidths
 from s2sad.jacobians.coloring import starts_of
-from s2sad.jacobians.compression_plan import Plan, scipy_sparse
+from s2sad.jacobians.compression_plan import Plan, PlanMode, Widths, scipy_sparse
 from s2sad.jacobians.linear_maps import LinearMap, dense, size
 from s2sad.jacobians.sparsity import pattern_of
 from s2sad.live_objects.unwrap import apply_functions
 from s2sad.run.tracebacks import public
 
-Mode = Literal["auto", "forward", "reverse"]
-PlanMode = Mode | Literal["symmetric"]
 FORMATS = ("csr", "csc", "coo")
 
 
 class MatrixDriver(Decorated):
     """A function of f's arguments that returns the matrix of a linear map at them; `_what` it gives.
 
-    One plan is kept for each pair of shapes. What a matrix gives for one more direction is compared with the linear map
-    itself at each call (`check`): where data have changed the pattern, it is found anew; one of the user's is refused.
+    One plan is kept for each pair of shapes, and one choice of widths. What a matrix gives for one more direction is
+    compared with the linear map itself at each call (`check`): where data have changed the pattern, it is found anew;
+    one of the user's is refused.
     """
     _what = ""
 
-    def __init__(self, f: Any, mode: PlanMode, sparse: Any, format: str, check: bool):
+    def __init__(self, f: Any, mode: PlanMode, sparse: Any, format: str, check: bool, threads: int):
         if format not in FORMATS:
             raise S2sadError(Diagnostic("S405", f"there is no format {format!r}", help='"csr", "csc" or "coo"'))
-        self.__wrapped__, self._mode, self._sparse, self._format, self._check = f, mode, sparse, format, check
+        if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
+            raise S2sadError(Diagnostic("S405", f"there are no {threads!r} threads", help="give how many: 1, 2, ..."))
+        self.__wrapped__, self._sparse, self._format, self._check, self._threads = f, sparse, format, check, threads
+        self._mode: PlanMode = mode
         self._plans: dict[tuple[Any, ...], Plan] = {}
+        self._widths: dict[tuple[Any, ...], MeasuredWidths] = {}
         self._given = sparse if isinstance(sparse, Plan) else None
         name, self.__module__ = getattr(f, "__name__", "f"), getattr(f, "__module__", __name__)
         self.__name__ = self.__qualname__ = f"{self._what}_of_{name}"
@@ -60,36 +64,65 @@ class MatrixDriver(Decorated):
 
     @public
     def plan(self, *args: Any, **keywords: Any) -> Plan:
-        """The plan of the sparse matrix for arguments of these shapes: see `Plan`."""
+        """The plan of the sparse matrix for arguments of these shapes, with the widths that are fastest: see `Plan`."""
         call = FlatCall.of(self.__wrapped__, args, keywords, self._derivatives)
         with call.user_paths():
-            return self._plan(self.linear_map(call))
+            of = self.linear_map(call)
+            plan = self._plan(of)
+            made = plan.measured(self._widths_for(of).measure(
+                lambda widths: plan.entries(of, self._check, widths, self._threads), lambda: self._choices(of, plan)))
+            self._plans[of.taken, of.given] = made
+            return made
 
     @public
     def __call__(self, *args: Any, **keywords: Any) -> Any:
         call = FlatCall.of(self.__wrapped__, args, keywords, self._derivatives)
         with call.user_paths():
-            return self._matrix(self.linear_map(call))
+            return self._found(self.linear_map(call))
+
+    def _found(self, of: LinearMap) -> Any:
+        """What a call gives."""
+        return self._matrix(of)
 
     def _matrix(self, of: LinearMap) -> Any:
         if self._sparse is False:
             by_rows = self._mode == "reverse" or self._mode == "auto" and size(of.taken) > 2 * size(of.given)
-            return dense(of, "reverse" if by_rows else "forward").reshape(of.given + of.taken)
+            mode, count = ("reverse", size(of.given)) if by_rows else ("forward", size(of.taken))
+            return self._widths_for(of).make(
+                lambda widths: dense(of, mode, widths[by_rows], self._threads),
+                lambda: {by_rows: of.widths(count, by_rows)}).reshape(of.given + of.taken)
         key = (of.taken, of.given)
         plan = self._given or self._plans.get(key) or self._plan(of)
         plan.check_shapes(of)
-        entries, theirs = plan.entries(of, self._check)
+        entries, theirs = self._entries(of, plan)
         if self._check and not plan.agrees(of, entries, theirs):
             plan, entries = self._again(of, plan, entries, theirs)
         self._plans[key] = plan
         return plan.matrix(entries, self._format)
+
+    def _entries(self, of: LinearMap, plan: Plan) -> tuple[np.ndarray, np.ndarray]:
+        """The entries, and what the check compares them with."""
+        def made(widths: Widths) -> tuple[np.ndarray, np.ndarray]:
+            return plan.entries(of, self._check, widths, self._threads)
+        if any(plan.widths):
+            return made(plan.widths)
+        return self._widths_for(of).make(made, lambda: self._choices(of, plan))
+
+    def _widths_for(self, of: LinearMap) -> MeasuredWidths:
+        return self._widths.setdefault((of.taken, of.given), MeasuredWidths())
+
+    def _choices(self, of: LinearMap, plan: Plan) -> dict[bool, Sequence[int]]:
+        """The widths to be tried for a plan."""
+        first = plan.told[0]
+        return {told.transposed: of.widths(told.colors + (self._check and told is first), told.transposed)
+                for told in plan.told}
 
     def _again(self, of: LinearMap, plan: Plan, entries: np.ndarray, theirs: np.ndarray) -> tuple[Plan, np.ndarray]:
         """The plan and the entries where the check failed: data have changed, or it has seen rounding errors."""
         found = pattern_of(of)
         if not plan.holds(*found) and self._given is None and self._sparse is True:
             plan = Plan.of(*found, of, self._mode)
-            entries, theirs = plan.entries(of, True)
+            entries, theirs = self._entries(of, plan)
         if not plan.holds(*found) or not plan.agrees(of, entries, theirs, rounded=True):
             raise S2sadError(Diagnostic(
                 "S403", f"the pattern of the {self._what} of '{self.__wrapped__.__name__}' lacks entries: for one "

@@ -149,8 +149,11 @@ class HessianMap:
         self.dtype = np.asarray(values[place]).dtype
         self.engine = chosen(call.first.engine)
 
-    def width(self, count: int | None, transposed: bool = False) -> int:
+    def width(self, count: int | None, transposed: bool = False, measured: int | None = None) -> int:
         return 1        # what f computes depends on the direction
+
+    def widths(self, count: int, transposed: bool = False) -> Sequence[int]:
+        return ()
 
     def products(self, directions: Iterable[np.ndarray], width: int, transposed: bool = False) -> Iterator[np.ndarray]:
         for asked in directions:
@@ -159,13 +162,13 @@ class HessianMap:
 
 
 @public
-def hessian(f: Callable[..., Any], wrt: Wrt = None, *, sparse: Any = False, format: str = "csr", check: bool = True
-            ) -> Hessian:
+def hessian(f: Callable[..., Any], wrt: Wrt = None, *, sparse: Any = False, format: str = "csr", check: bool = True,
+            threads: int = 1) -> Hessian:
     """A function of f's arguments that returns the Hessian of the one float that f returns.
 
-    Args: wrt, a name or position of a parameter (default: the only float); sparse, format and check as for `jacobian`.
-    A dense Hessian has the shape of the argument twice, a sparse one two axes, and the same on both sides of the
-    diagonal: a star colouring says which product tells an entry. Arguments are never changed.
+    Args: wrt, a name or position of a parameter (default: the only float); sparse, format, check and threads as for
+    `jacobian`. A dense Hessian has the shape of the argument twice, a sparse one two axes, and the same on both sides
+    of the diagonal: a star colouring says which product tells an entry. Arguments are never changed.
     Raises S2sadError as `hvp` and `jacobian` do. Literature as for these.
 
     >>> import numpy as np
@@ -179,19 +182,20 @@ def hessian(f: Callable[..., Any], wrt: Wrt = None, *, sparse: Any = False, form
            [4., 2., 6.],
            [0., 6., 4.]])
     """
-    return Hessian(f, wrt, sparse, format, check)
+    return Hessian(f, wrt, sparse, format, check, threads)
 
 
 class Hessian(MatrixDriver):
     """The Hessian of f's float, as a function of f's arguments; see `hessian`."""
     _what = "Hessian"
 
-    def __init__(self, f: Any, wrt: Wrt = None, sparse: Any = False, format: str = "csr", check: bool = True):
-        super().__init__(f, "symmetric", sparse, format, check)
+    def __init__(self, f: Any, wrt: Wrt = None, sparse: Any = False, format: str = "csr", check: bool = True,
+                 threads: int = 1):
+        super().__init__(f, "symmetric", sparse, format, check, threads)
         self._wrt = names_of(wrt, f)
 
     def decorator_arguments(self) -> tuple[Any, ...]:
-        return self.__wrapped__, self._wrt, self._sparse, self._format, self._check
+        return self.__wrapped__, self._wrt, self._sparse, self._format, self._check, self._threads
 
     def linear_map(self, call: FlatCall) -> HessianMap:
         state, values = call.state, call.values()

@@ -74,3 +74,23 @@ def fields(u):
     work[1:] = np.sqrt(u[1:] ** 2 + u[:-1])
     work[0] = u[0] ** 3
     return np.sum(work * u)
+
+
+def arrow(du, u):
+    """Everything meets the first variable, and the first rate meets everything."""
+    du[0] = 0.0
+    for i in range(u.size):
+        du[0] += u[i] ** 3
+    for i in range(1, u.size):
+        du[i] = u[0] * u[i] - u[i] ** 2
+
+
+def pick(u, k):
+    """What is given comes back."""
+    if k > 0.0:
+        u[0] = k * u[0]
+    return u
+
+
+def given_back(u):
+    return u

@@ -20,8 +20,11 @@ class Matrix:
         self.pattern, self.given, self.taken = pattern, (len(pattern),), (pattern.shape[1],)
         self.most, self.engine = width, engine
 
-    def width(self, count, transposed=False):
-        return self.most
+    def width(self, count, transposed=False, measured=None):
+        return measured or self.most
+
+    def widths(self, count, transposed=False):
+        return ()
 
     def products(self, directions, width, transposed=False):
         matrix = self.pattern.T if transposed else self.pattern
@@ -63,7 +66,7 @@ def test_columns_and_rows_give_one_matrix(pattern, width):
 @settings(max_examples=40, deadline=None)
 def test_entries_are_told_by_batches_of_any_width(check, pattern, width):
     of = Matrix(pattern, width)
-    for mode in ("forward", "reverse", "auto"):
+    for mode in ("forward", "reverse", "auto", "both"):
         plan = Plan.of(*pattern_of(of), of, mode)
         entries, theirs = plan.entries(of, check)
         assert not check or plan.agrees(of, entries, theirs)
@@ -71,7 +74,7 @@ def test_entries_are_told_by_batches_of_any_width(check, pattern, width):
 
 
 @pytest.mark.parametrize("engine", ["numpy", "numba"])
-@given(PATTERNS.filter(np.any), WIDTHS, st.sampled_from(["forward", "reverse"]), st.data())
+@given(PATTERNS.filter(np.any), WIDTHS, st.sampled_from(["forward", "reverse", "both"]), st.data())
 @settings(max_examples=40, deadline=None)
 def test_an_entry_that_lacks_is_seen(engine, pattern, width, mode, data):
     rows, columns = np.nonzero(pattern)
@@ -100,6 +103,44 @@ def test_loops_are_what_arrays_are(pattern, data):
                 lambda f: f.parted(starts, columns, lanes, parts, told)):
         for ours, theirs in zip(ask(plain), ask(compiled)):
             np.testing.assert_array_equal(ours, theirs)
+
+
+# -- columns and rows at once -----------------------------------------------------------------------------------------
+
+N = 30
+FIRST, DIAGONAL = np.arange(N) == 0, np.eye(N, dtype=bool)
+ARROW = DIAGONAL | FIRST | FIRST[:, None]
+BLOCKS = np.kron(np.eye(3, dtype=bool), np.ones((2, 10), bool))     # 6 x 30
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@pytest.mark.parametrize(("pattern", "counts", "cheapest"), [
+    (ARROW, (2, 1), (2, 1)), (ARROW[::-1, ::-1], (2, 1), (2, 1)),
+    (DIAGONAL | FIRST[:, None], (0, 2), (1, 1)), (DIAGONAL | FIRST, (2, 0), (2, 0)),        # a row; a column
+    (np.tri(N, k=1, dtype=bool) & ~np.tri(N, k=-2, dtype=bool), (3, 0), (3, 0)),
+    (BLOCKS, (0, 2), (0, 2)), (BLOCKS | FIRST, (1, 2), (1, 2)),
+    (ARROW[:6], (2, 1), (2, 1)), (ARROW[:, :6], (2, 1), (2, 1)),
+    (np.ones((6, N), bool), (0, 6), (0, 6)), (np.ones((N, 6), bool), (6, 0), (6, 0)),
+    (np.zeros((6, N), bool), (1, 0), (1, 0)), (np.zeros((0, 3), bool), (0, 0), (0, 0)),
+    (np.ones((1, 3), bool), (0, 1), (0, 1)), (np.ones((2, 3), bool), (0, 2), (3, 0))])
+def test_what_is_dense_goes_its_own_way(pattern, counts, cheapest, engine):
+    of = Matrix(pattern, 4, engine)
+    for mode, wanted in (("both", counts), ("auto", cheapest)):
+        plan = Plan.of(*pattern_of(of), of, mode)
+        assert plan.counts == wanted and plan.colors == sum(wanted)
+        entries, theirs = plan.entries(of, True)
+        assert plan.agrees(of, entries, theirs)
+        np.testing.assert_array_equal(plan.matrix(entries).toarray(), 0.5 * pattern)
+
+
+@given(PATTERNS)
+@settings(max_examples=100, deadline=None)
+def test_both_take_no_more_than_either(pattern):
+    of = Matrix(pattern)
+    forward, reverse, both, auto = (Plan.of(*pattern_of(of), of, mode).counts
+                                    for mode in ("forward", "reverse", "both", "auto"))
+    assert sum(both) <= min(sum(forward), sum(reverse))
+    assert auto[0] + 2 * auto[1] <= min(forward[0], 2 * reverse[1])
 
 
 # -- symmetric matrices -----------------------------------------------------------------------------------------------

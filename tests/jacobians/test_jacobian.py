@@ -84,6 +84,28 @@ def test_one_row_is_made_by_an_adjoint():
     assert s2sad.jacobian(f, sparse=True).plan(X).colors == 1
 
 
+@pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
+def test_what_everything_meets_goes_by_rows_and_columns(engine, tmp_path):
+    args = np.zeros(20), np.linspace(0.3, 1.7, 20)
+    with running(engine) as run_under:
+        f = s2sad.differentiate(kernels.arrow, engine=run_under)
+        wanted = s2sad.jacobian(f, "u", "du", mode="forward")(*args)
+        for mode in ("both", "auto"):
+            J = s2sad.jacobian(f, "u", "du", sparse=True, mode=mode)
+            np.testing.assert_allclose(J(*args).toarray(), wanted, rtol=1e-14, atol=1e-15)
+        plan = J.plan(*args)
+        assert repr(plan) == "<plan of a 20 x 20 matrix: 58 entries, 2 forward and 1 reverse products>"
+        plan.save(tmp_path / "plan.npz")
+        plan.picture(tmp_path / "plan.svg")
+        again = s2sad.jacobian(f, "u", "du", sparse=s2sad.Plan.load(tmp_path / "plan.npz"))
+        np.testing.assert_array_equal(again(*args).toarray(), J(*args).toarray())
+        for lacking in ((0, 3), (3, 3), (3, 0)):        # of the long row, the diagonal, the long column
+            smaller = wanted != 0.0
+            smaller[lacking] = False
+            with pytest.raises(s2sad.S2sadError, match="S403.*lacks entries"):
+                s2sad.jacobian(f, "u", "du", sparse=smaller, mode="both")(*args)
+
+
 def test_what_data_change_is_found_anew():
     J = s2sad.jacobian(s2sad.differentiate(kernels.upwind, engine="numpy"), "u", "du", sparse=True)
     for x in (np.abs(X), -np.abs(X), X):
@@ -170,7 +192,7 @@ def holds(model, u):
     ("S401: 'holds' was given 2 floats: model['k'], u", lambda: s2sad.jacobian(holds)({"k": 2.0}, X)),
     ("S401: wrt names 'model.b', and 'model' has no such part",
      lambda: s2sad.jacobian(holds, "model.b")({"k": 2.0}, X)),
-    ("S405: there is no mode 'both'", lambda: s2sad.jacobian(phase, mode="both")),
+    ("S405: there is no mode 'diagonal'", lambda: s2sad.jacobian(phase, mode="diagonal")),
     ("S405: there is no format 'lil'", lambda: s2sad.jacobian(phase, format="lil")),
     ("S405: the pattern is of shape (2, 2), the matrix of shape (6, 6)",
      lambda: s2sad.jacobian(kernels.in_place, "u", sparse=np.ones((2, 2)))(X, 0.3)),

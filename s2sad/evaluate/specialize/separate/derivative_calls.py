@@ -29,7 +29,7 @@ _RETURN = "return"
 _MODES = {"auto": "auto", "forward": "tangent", "reverse": "adjoint"}
 _RECORDS, _DENSE = "the loops of what is differentiated record", "the matrix is dense, filled by one product at a time"
 _NOT_HERE = {**dict.fromkeys(("checkpoint", "memory", "tape_dtype", "batch"), _RECORDS),
-             **dict.fromkeys(("sparse", "format", "check"), _DENSE)}
+             **dict.fromkeys(("sparse", "format", "check", "threads"), _DENSE)}
 
 
 @dataclass(frozen=True)
@@ -134,6 +134,15 @@ def _called_jacobian(ev: Evaluator, args: Args, options: Options, node: AST, f: 
     nested = NestedDerivative(_MODES[by], _places(inner, asked, ev, node), _places(inner, outputs, ev, node),
                               matrix=True)
     return _results(ev, inner, nested, [], ["jacobian"], node)[0]
+
+
+_INSTEAD = {"value_and_jacobian": "call the function, and s2sad.jacobian of it",
+            "hessian": 'take products with it: s2sad.hvp(f, args, {"x": v})'}
+
+
+@function(*(f"s2sad.{title}" for title in _INSTEAD))
+def _not_here(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    raise ev.refusal(node, f"s2sad.{ev.called} is not supported in a kernel", help=_INSTEAD[ev.called])
 
 
 def _arguments(ev: Evaluator, title: str, names: Sequence[str], args: Args, options: Options, node: AST) -> list[Value]:
