@@ -25,7 +25,7 @@ from s2sad.emit.line_table import line_table
 from s2sad.optimize.directions import OneByOne, for_directions
 from s2sad.emit.dialect import in_dialect, types_of
 from s2sad.emit.header import documented, header, with_docstring
-from s2sad.emit.module import module
+from s2sad.emit.module import ModuleText, module
 from s2sad.emit.origins import with_origins
 from s2sad.emit.recorded_arrays import recorded_arrays, snapshot_loop
 from s2sad.emit.primal import kernels_called, primal_functions
@@ -50,7 +50,8 @@ from s2sad.units.bounds import index_limits
 from s2sad.units.nested_derivatives import (
     differentiated_program, nested_call, nested_request, settled, types_of_inner, with_derivative,
 )
-from s2sad.units.fast_functions import aliased_derivatives, fast, fast_primal, fast_sweeps
+from s2sad.units.distinct_arguments import distinct_arguments
+from s2sad.units.fast_functions import fast, fast_primal, fast_sweeps
 from s2sad.units.rounded_tapes import refuse_unrounded
 
 __all__ = ["EntrySummary", "derive", "summary"]
@@ -105,7 +106,8 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
                          standalone=request.standalone)
         guards, places = line_table(printed, sources)
         return Generated(printed.text, unit.title, parameters, ("result",), {
-            "guards": guards, "places": places, "index_limits": limits})
+            "guards": guards, "places": places, "index_limits": limits,
+            "distinct": distinct_functions(functions, printed, units)})
     wanted = DerivativeRequest(request.wrt, expanded(request.of, unit), request.with_primal, split=request.split)
     derived = units.derive(request.mode, unit, wanted)
     units.keep_derived(derived)
@@ -114,11 +116,11 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     found = facts(derived, request, units) | {"unshadowed": missing_shadows(
         unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges), "index_limits": limits}
 
-    sharing = aliased_derivatives(units)
+    distinct = distinct_arguments(made + primal_functions(units, kernels_called(made, units)), types_of(units))
 
     def final(d: UnitDerivative) -> tuple[FunctionDef, ...]:
         """The function of a derivative, or the two of its sweeps."""
-        plain = request.level != "fast" or d.function.name in sharing
+        plain = request.level != "fast" or d.function.name not in distinct
         if d.forward is None:
             return (d.function if plain else fast(d, units, not request.width),)
         return (d.forward, d.function) if plain else fast_sweeps(d, units)
@@ -150,6 +152,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     printed = module(functions, header=header(derived, request, units),
                      constants={**units.program.constants, **units.tables()}, standalone=request.standalone)
     found["functions"] = printed.functions
+    found["distinct"] = distinct_functions(functions, printed, units, request.width)
     sources += [unit.kernel.source] * (len(functions) - len(sources))
     found["guards"], found["places"] = line_table(printed, sources)
     if request.mode == "adjoint":
@@ -159,6 +162,13 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
                                  hidden_name(p, units.program), derived.types[n])
                        for n, role, p in derived.made.parameters if role != "tape")
     return Generated(printed.text, derived.function.name, parameters, tuple(derived.made.returns), found)
+
+
+def distinct_functions(functions: list[FunctionDef], printed: ModuleText, units: Units, width: int = 0
+                       ) -> tuple[str, ...]:
+    """The functions of a printed module that are never given memory twice; for many directions numbers are arrays."""
+    found = distinct_arguments(functions, {} if width else types_of(units))
+    return tuple(p.name for f, p in zip(functions, printed.functions) if f.name in found)
 
 
 def with_directions(functions: list[FunctionDef], derived: UnitDerivative, request: Request, units: Units

@@ -82,7 +82,7 @@ class Executable:
         facts = generated.facts
         entries = [facts[k] for k in ("taped", "forward") if facts.get(k)] + [generated.entry]
         module = (compiled(generated.text, generated.entry, plain=plain, user_functions=moving, guards=guards,
-                           entries=entries, unrolled=self.unrolled)
+                           entries=entries, unrolled=self.unrolled, distinct=facts.get("distinct", ()))
                   if engine == "numba" else load(generated.text, generated.entry, own=bool(registered), guards=guards))
         self.failures = ExceptionMeanings(generated.facts, str(module.__file__), kernel)
         keep_loaded(module, self)

@@ -25,7 +25,7 @@ from typing import Any
 from s2sad.diagnostics import Diagnostic, S2sadError, warn_once
 from s2sad.extras import absent
 from s2sad.run.progress import Working
-from s2sad.run.internal_functions import options, written_out
+from s2sad.run.internal_functions import DISTINCT, options, written_out
 from s2sad.run.interrupts import interruptible
 from s2sad.run.interpreter import DTYPES, interpreted
 from s2sad.run.module_loader import load
@@ -73,17 +73,19 @@ def bounds_checked() -> Iterator[None]:
 
 def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ...] = (),
              user_functions: bool = False, guards: Collection[int] = (), entries: Collection[str] = (),
-             unrolled: bool = False) -> ModuleType:
+             unrolled: bool = False, distinct: Collection[str] = ()) -> ModuleType:
     """The module of `text` with its functions compiled (lazily, when first called); those in `plain` are left. Python
     calls those in `entries` (all of them if it is empty). If it is `unrolled`, LLVM makes vectors of neighbouring
-    operations, too: of loops that it has written out.
+    operations, too: of loops that it has written out. It is told that arrays given to those in `distinct` share no
+    memory.
 
     With `user_functions` it imports functions of the user: these are compiled too, and nothing is kept on disk, for
     the text stays the same when they change. Nor is a module that calls what the interpreter runs, which lives as
     long as the process.
     """
     bounds = bounds or always_checked()
-    module = load(text, name, _key(bounds) + "-unrolled" * unrolled, own=user_functions, guards=guards)
+    key = f"{_key(bounds)}{'-unrolled' * unrolled} {sorted(distinct)}"
+    module = load(text, name, key, own=user_functions, guards=guards)
     if not getattr(module, "__compiled__", False):
         space = vars(module)
         register(used(space))
@@ -100,7 +102,7 @@ def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ..
                 space[identifier] = _runtime(value.__module__, bounds)[value.__name__]
             elif user_functions:
                 space[identifier] = _jit(value, bounds, on_disk=False)
-        space["__compiled__"], space[_UNROLLED] = True, unrolled
+        space["__compiled__"], space[_UNROLLED], space[DISTINCT] = True, unrolled, frozenset(distinct)
     return module
 
 

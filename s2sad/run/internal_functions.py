@@ -4,6 +4,9 @@ Numba generates machine code for every function by itself, with all that it call
 again in each function that calls it. An internal function is only linked into its callers: what Python calls is
 optimized once, with all that it consists of. Short ones without loops are written out at their calls: LLVM leaves
 functions of many numbers alone, as adjoints of helpers are, and computes again in them what their caller has.
+
+LLVM asks before a loop which arrays overlap, and gives up vectors where that would be too many questions. Arrays of
+functions that are never given memory twice are `noalias` to it, as C's `restrict` says.
 """
 from __future__ import annotations
 
@@ -19,6 +22,7 @@ _PARTS = {"numba.core.codegen": ("JITCodeLibrary",), "numba.core.compiler": ("Co
           "numba._dynfunc": ("make_function",)}
 
 
+DISTINCT = "__distinct__"        # in a module: the names of its functions that are never given memory twice
 _LONGEST, _MOST = 1000, 8000     # nodes of one function that is written out, and of all its copies
 
 
@@ -64,10 +68,17 @@ def _compiler() -> type:
     class Library(codegen.JITCodeLibrary):
         """The code of one function, with the environments of internal ones that are linked into it."""
         internal = False
+        noalias: frozenset[str] = frozenset()       # names that LLVM has for the data of parameters
 
         def __init__(self, *arguments: Any):
             super().__init__(*arguments)
             self.environment: tuple[str, Any] | None = None
+
+        def add_ir_module(self, ir_module: Any) -> None:
+            for parameter in (p for f in ir_module.functions if not f.is_declaration for p in f.args):
+                if parameter.name in self.noalias:
+                    parameter.add_attribute("noalias")
+            super().add_ir_module(ir_module)
 
         def _optimize_final_module(self) -> None:
             if not self.internal:
@@ -103,6 +114,8 @@ def _compiler() -> type:
             library = state.library = Library(state.targetctx.codegen(), state.func_id.func_qualname)
             library.enable_object_caching()
             library.internal = state.flags.no_cpython_wrapper
+            if state.func_id.func_name in state.func_id.func.__globals__.get(DISTINCT, ()):
+                library.noalias = _data_of_arrays(state)
             if library.internal:
                 state.targetctx = state.targetctx.subtarget(get_executable=_without_code(state.targetctx))
             return super().run_pass(state)
@@ -117,6 +130,13 @@ def _compiler() -> type:
             made.finalize()
             return [made]
     return Compiler
+
+
+def _data_of_arrays(state: Any) -> frozenset[str]:
+    """The names of the pointers to the data of a function's arrays."""
+    array, models = importlib.import_module("numba.core.types").Array, state.targetctx.data_model_manager
+    return frozenset(f"arg.{name}.{models[kind].get_field_position('data')}"
+                     for name, kind in zip(state.func_ir.arg_names, state.args) if isinstance(kind, array))
 
 
 def _without_code(context: Any) -> Any:

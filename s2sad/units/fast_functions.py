@@ -1,18 +1,13 @@
 """fast_functions: derivatives and kernels at the level "fast": after the passes of `optimize`."""
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Set
-from itertools import combinations
+from collections.abc import Set
 
 from s2sad import optimize
-from s2sad.analyze.recording_plan import by_key
-from s2sad.blocks import heads
-from s2sad.liveness import base_name
 from s2sad.naming import Names
-from s2sad.optimize.loop_bounds import are_apart, least_counter
 from s2sad.passes import run
 from s2sad.simplify import DerivativeContext, remove_marks
-from s2sad.tree import AST, Call, For, FunctionDef, Subscript, call_name, copy, names, user_call, walk, with_body
+from s2sad.tree import Call, FunctionDef, call_name, copy, names, walk, with_body
 from s2sad.units.unit_derivatives import UnitDerivative, Units
 
 
@@ -77,37 +72,6 @@ def fast_primal(function: FunctionDef, units: Units, adjoint: bool = False) -> F
 def _writing(function: FunctionDef, units: Units) -> set[str]:
     """The functions that a function calls and that write arrays."""
     return {call_name(n) or "" for n in walk(function.body) if isinstance(n, Call) and units.effects.writes(n)}
-
-
-def aliased_derivatives(units: Units) -> set[str]:
-    """The derivatives that a call passes one array twice, and all that they call: their loops stay as they are, for two
-    shadows may be aliases. Other rows of an array are apart."""
-    found: set[str] = set()
-    while True:
-        more = {callee for d in units.derived.values() for n, least in _calls(d.function.body, {})
-                if (callee := user_call(n)) and (d.function.name in found or _repeats(
-                    [a for a in n.args if (b := base_name(a)) and b in d.types and d.types[b].is_array], least))}
-        if more <= found:
-            return found
-        found |= more
-
-
-def _calls(block: list[AST], least: Mapping[str, int]) -> Iterator[tuple[Call, Mapping[str, int]]]:
-    """The calls of a block, with the least numbers of the counters around them."""
-    for statement in block:
-        for head in heads(statement):
-            yield from ((n, least) for n in walk(head) if isinstance(n, Call))
-        first = least_counter(statement) if isinstance(statement, For) else None
-        inner = {**least, statement.target.id: first} if first is not None else least
-        for body in (getattr(statement, "body", []), getattr(statement, "orelse", [])):
-            yield from _calls(body, inner)
-
-
-def _repeats(arguments: list[AST], least: Mapping[str, int]) -> bool:
-    """Whether two arrays or parts of one may share memory."""
-    by_array = by_key(arguments, base_name)
-    return any(not (isinstance(a, Subscript) and isinstance(b, Subscript) and are_apart(a, b, least))
-               for those in by_array.values() for a, b in combinations(those, 2))
 
 
 def shadow_of(identifier: str) -> str:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 import sys
 
 import numpy as np
@@ -86,3 +87,15 @@ def test_under_another_numba_all_functions_are_compiled_alike(monkeypatch):
         internal_functions.options.cache_clear()
     monkeypatch.undo()
     assert module.inner(x, 0) == 1.0 and module.first(x, 0) == 3.0
+
+
+def test_arrays_that_share_no_memory_are_known_to_llvm():
+    """Of the data of arrays only: an array and its rows have one owner."""
+    x = np.ones(3)
+    for name, distinct in (("apart", ["first", "inner"]), ("aliases", [])):
+        module = engine.compiled(TEXT, name, entries=["first"], distinct=distinct)
+        module.first(x, 0)
+        [text] = module.first.inspect_llvm().values()
+        heads = [line for line in text.splitlines() if line.startswith("define") and "%arg.x.4" in line]
+        assert heads and all(bool(re.search("noalias[^,]* %arg.x.4", line)) is bool(distinct) for line in heads)
+        assert not any(re.search("noalias[^,]* %arg.x.0", line) for line in heads)
