@@ -2,7 +2,7 @@
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,7 +41,8 @@ class BridgedKernel:
         self.outputs = tuple([
             o for name in self.of for o in ([Output(RETURN, results.types[k], k) for k in results.own]
                                             if name == RETURN else [Output(name, kinds[name])])])
-        self._calls: dict[Any, Any] = {}
+        self._adjoints: dict[Any, tuple[ReverseCall, dict[str, int], list[tuple[int, Type]]]] = {}
+        self._tangents: dict[tuple[str, ...], ForwardCall] = {}
 
     def request(self, mode: str, wrt: tuple[str, ...] = (), of: tuple[str, ...] = ()) -> Executable:
         """The derivative, or the primal."""
@@ -69,19 +70,33 @@ class BridgedKernel:
 
     def vjp(self, values: Sequence[Any], seeds: Sequence[Any], wrt: tuple[str, ...], of: tuple[str, ...]) -> list[Any]:
         """The adjoints of `wrt` for seeds of those outputs that are in `of`, in order."""
-        call = self._call(ReverseCall, values, of, wrt)
+        call, places, results = self._adjoint(values, wrt, of)
         copies = self._own(call, values)
-        outputs = [o for o in self.outputs if o.name in of]
-        given = {o.name: seed for o, seed in zip(outputs, seeds) if o.name != RETURN}
-        own = {o.place: result_seed(seed, o.type) for o, seed in zip(outputs, seeds) if o.name == RETURN}
-        shadows = {n: np.array(given[n]) if n in given else np.zeros_like(copies[n]) for n in call.rv.shadows}
-        returned = call.call(call.rv, copies, shadows, [own[k] for k in call.seed_places])
+        shadows = {n: np.array(seeds[places[n]]) if n in places else np.zeros(copies[n].shape, copies[n].dtype)
+                   for n in call.rv.shadows}
+        returned = call.call(call.rv, copies, shadows, [result_seed(seeds[k], kind) for k, kind in results])
         found = call.by_argument(shadows, returned)
         return [found[n] for n in wrt]
 
+    def _adjoint(self, values: Sequence[Any], wrt: tuple[str, ...], of: tuple[str, ...]
+                 ) -> tuple[ReverseCall, dict[str, int], list[tuple[int, Type]]]:
+        """The call; the places of seeds, of arguments by their names, of results in the order of the call with their
+        types."""
+        key = wrt, of
+        if key not in self._adjoints:
+            call = ReverseCall(self.state, self.f, tuple(values), of, wrt)
+            outputs = [o for o in self.outputs if o.name in of]
+            own = {o.place: (k, o.type) for k, o in enumerate(outputs) if o.name == RETURN}
+            self._adjoints[key] = (call, {o.name: k for k, o in enumerate(outputs) if o.name != RETURN},
+                                   [own[place] for place in call.seed_places])
+        return self._adjoints[key]
+
     def jvp(self, values: Sequence[Any], tangents: Mapping[str, Any]) -> list[Any]:
         """The tangents of the outputs."""
-        call = self._call(ForwardCall, values, tuple(tangents), self.of)
+        given = tuple(tangents)
+        call = self._tangents.get(given)
+        if call is None:
+            call = self._tangents[given] = ForwardCall(self.state, self.f, tuple(values), given, self.of)
         copies = self._own(call, values)
         shadows = {n: self._tangent(copies[n], tangents.get(n)) for n in call.fv.shadows}
         returned = dict(zip(call.fv.generated.returns, call.call(call.fv, copies, shadows)))
@@ -101,9 +116,3 @@ class BridgedKernel:
         if isinstance(value, np.ndarray):
             return np.zeros_like(value) if tangent is None else private_copy(tangent)
         return number_seed(tangent, is_complex=isinstance(value, complex))
-
-    def _call(self, kind: Callable[..., Any], values: Sequence[Any], *names: tuple[str, ...]) -> Any:
-        key = kind, names
-        if key not in self._calls:
-            self._calls[key] = kind(self.state, self.f, tuple(values), *names)
-        return self._calls[key]

@@ -42,8 +42,7 @@ class TorchFunction(Decorated):
 
     def __init__(self, f: Any, wrt: Wrt = None, of: Wrt = None):
         self._tensor = torch_steps.library().Tensor
-        derivatives_of(f)
-        self.__wrapped__ = f
+        self._derivatives, self.__wrapped__ = derivatives_of(f), f
         self._wrt, self._of = names_of(wrt, f), names_of(of, f, "of")
         name, self.__module__ = getattr(f, "__name__", "f"), getattr(f, "__module__", __name__)
         self.__name__ = self.__qualname__ = name
@@ -58,7 +57,7 @@ class TorchFunction(Decorated):
     @public
     def __call__(self, *args: Any, **keywords: Any) -> Any:
         given, args, keywords = apply_functions(self.__wrapped__, args, keywords)
-        state = derivatives_of(given).state()
+        state = (self._derivatives if given is self.__wrapped__ else derivatives_of(given)).state()
         values, tensor = bind(state.kernel, args, keywords), self._tensor
         key = ("torch", self._wrt, self._of, selection_of(given), tuple([
             (v.dtype, v.ndim if 1 not in v.shape else tuple([n == 1 for n in v.shape]), v.device.type)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Sequence
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -56,8 +56,24 @@ def step_function() -> Any:
                     for n in range(info.batch_size)]
             return tuple(map(torch.stack, zip(*rows))), (0,) * len(rows[0])
     forward: Any = Step.forward
-    forward.__signature__ = inspect.signature(forward)      # which PyTorch asks for at each call
+    forward.__signature__ = _ByPosition([*inspect.signature(forward).parameters.values()])
     return Step
+
+
+class _ByPosition(inspect.Signature):
+    """The signature of a function that is given all arguments by position: PyTorch binds them at each call, to fill in
+    defaults, which takes as long as all else that it does."""
+
+    def bind(self, /, *args: Any, **keywords: Any) -> Any:
+        return _Bound(args, keywords)
+
+
+class _Bound(NamedTuple):
+    args: tuple[Any, ...]
+    kwargs: dict[str, Any]
+
+    def apply_defaults(self) -> None:
+        """There are none."""
 
 
 class _KernelStep:
@@ -213,4 +229,4 @@ def _tensor(value: Any, dtype: Any) -> Any:
     torch = library()
     if type(value) is np.ndarray and value.ndim:
         return torch.from_numpy(value)
-    return torch.tensor(value, dtype=getattr(torch, dtype) if isinstance(dtype, str) else dtype)
+    return torch.scalar_tensor(value, dtype=getattr(torch, dtype) if isinstance(dtype, str) else dtype)
