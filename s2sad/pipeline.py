@@ -16,6 +16,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from s2sad.analyze.missing_shadows import missing_shadows
 from s2sad.deep_stack import deep_stack
 from s2sad.analyze.request import DerivativeRequest
@@ -324,10 +326,16 @@ def residual(program: Program, types: tuple[Type, ...], refused: S2sadError) -> 
         raise WaitingForFacts(*refused.diagnostics) from None
     except S2sadError:
         raise refused from None
-    arrays = list(made.arrays.values()) == list(program.arrays.values())
-    if not arrays or found.result is not None or len(found.paths) != len(types):
+    arrays = [*made.arrays.values()], [*program.arrays.values()]
+    taken = len(arrays[0]) == len(arrays[1]) and all(map(_is_same_array, *arrays))
+    if not taken or found.result is not None or len(found.paths) != len(types):
         raise refused
     return made
+
+
+def _is_same_array(a: Any, b: Any) -> bool:
+    """Whether two arrays from outside are one, or tables of the same numbers, which are made anew."""
+    return a is b or a.dtype == b.dtype and np.array_equal(a, b)
 
 
 def expanded(of: tuple[str, ...], unit: Unit) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from s2sad.infer.types import BOOL, FLOAT, INT, NONE, UNKNOWN, Type, array
 from s2sad.rules.composed import LAW as COMPOSED
 from s2sad.rules.rule import template
 from s2sad.live_objects.registry import ROOM
-from s2sad.tree import AST, Attribute, Call, Constant, List, Tuple, call_name, substitute
+from s2sad.tree import AST, Attribute, Call, Constant, List, Tuple, call_name, const, substitute
 
 
 CallTypes = Callable[[str, tuple[Type, ...]], tuple[Type, ...]]
@@ -89,6 +89,8 @@ class TypesOfCalls(ABC):
         arguments = rule.arguments(node)
         if not arguments.keys() <= {*rule.operands, *rule.options}:
             return UNKNOWN
+        if requested := self._inherited(arguments.get("dtype")):      # x.dtype
+            arguments = {**arguments, "dtype": const(requested)}
         if len(types) == 1 and (of_number := reduced_number(rule.name, types[0], arguments)) != UNKNOWN:
             return of_number
         if rule.value:
@@ -148,7 +150,7 @@ class TypesOfCalls(ABC):
             return default
         return dtype_of(dtype) or self._inherited(dtype) or ""
 
-    def _inherited(self, node: AST) -> str | None:
+    def _inherited(self, node: AST | None) -> str | None:
         if isinstance(node, Attribute) and node.attr == "dtype":
             return self.of(node.value).dtype
         return None

@@ -26,6 +26,7 @@ from s2sad.evaluate.specialize.values import (
     TupleValue, Value, constant,
 )
 from s2sad.live_objects.registry import GIVEN
+from s2sad.read.outside_values import library_value
 from s2sad.tree import AST
 
 _OF_LIBRARIES = (random_numbers.__file__, library_functions.__file__)
@@ -38,7 +39,7 @@ def call_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
         return _super(ev, node, f)
     targets, ev.targets = ev.targets, ()
     function, *values = ev.values([node.func, *node.args, *(k.value for k in node.keywords)], f, carries=True,
-                                  taken=lambda called: _items_taken(called, node))
+                                  taken=lambda called: _items_taken(ev, called, node, f))
     if not _takes_choices(ev, function):
         for n, v in zip((node.func, *node.args, *node.keywords), (function, *values)):
             ev.one(v, n)
@@ -50,16 +51,30 @@ def call_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
     return call(ev, function, args, keywords, node, f)
 
 
-def _items_taken(function: Value, node: Any) -> int | None:
+def _items_taken(ev: Evaluator, function: Value, node: Any, f: Frame) -> int | None:
     """How many items the one starred argument of a call has: what the other arguments leave of the parameters."""
+    if sum(isinstance(a, tree.Starred) for a in node.args) != 1 or not all(k.arg for k in node.keywords):
+        return None
+    count = _parameter_count(ev, function, node, f)
+    return None if count is None else max(count - (len(node.args) - 1) - len(node.keywords), 0)
+
+
+def _parameter_count(ev: Evaluator, function: Value, node: AST, f: Frame) -> int | None:
+    """How many arguments what is called must be given; None where that is left open."""
+    if isinstance(function, LibraryValue) and not function.first and not function.keywords:
+        return getattr(library_value(function.path), "nin", None)
+    if isinstance(function, ClassValue):
+        layout, own = ev.layout_of(function), ev.class_item(function, "__init__", node, f)
+        if own is None:
+            return len(layout.fields) if layout and all(d.default is None and d.is_given for d in layout.fields
+                                                        ) else None
+        count = _parameter_count(ev, own[1], node, f)
+        return None if count is None else count - 1
     if not isinstance(function, FunctionValue) or function.captured is None or function.keywords:
         return None
     spelled = function.captured.tree.args
-    starred = sum(isinstance(a, tree.Starred) for a in node.args)
-    open_ended = spelled.defaults or spelled.vararg or spelled.kwonlyargs or not all(k.arg for k in node.keywords)
-    if starred != 1 or open_ended:
-        return None
-    return max(len(spelled.args) - len(function.first) - (len(node.args) - 1) - len(node.keywords), 0)
+    open_ended = spelled.defaults or spelled.vararg or spelled.kwonlyargs
+    return None if open_ended else len(spelled.args) - len(function.first)
 
 
 def _takes_choices(ev: Evaluator, function: Value) -> bool:

@@ -15,8 +15,8 @@ from s2sad.infer.inference import Typing
 from s2sad.read.outside_values import library_value
 from s2sad.rules import find_array
 from s2sad.tree import (
-    AST, Assign, Attribute, BinOp, Call, Constant, FunctionDef, Name, Store, Subscript, Tuple, UnaryOp, attribute,
-    call_name, copy, name, rebuild, times_bound, user_call, walk,
+    AST, Assign, Attribute, BinOp, Call, Constant, FunctionDef, MatMult, Name, Store, Subscript, Tuple, UnaryOp,
+    attribute, call_name, const, copy, index, name, rebuild, times_bound, tuple_of, user_call, walk,
 )
 
 MAKERS = {"numpy.empty": None, "numpy.empty_like": None, "numpy.zeros": 0.0, "numpy.zeros_like": 0.0,
@@ -74,11 +74,20 @@ class ResultShapes:
         if called.startswith("user."):
             found = self.called(node)
             return self.shape_in_parameters(found[0]) if len(found) == 1 else None
+        if (factors := _factors(node)) is not None:
+            return self.shape_of_product(*factors)
         parts = _parts(node)
         whole = self.typing.argument(node)      # a part that is repeated has another shape
         found = [s for p in parts if (own := self.typing.argument(p)).rank == whole.rank and own.ones == whole.ones
                  and (s := self.shape(p)) is not None]
         return found[0] if found else None
+
+    def shape_of_product(self, left: AST, right: AST) -> AST | None:
+        """The shape of a product of matrices, or of a matrix and a vector."""
+        ranks = self.typing.of(left).rank, self.typing.of(right).rank
+        places = {(2, 2): ((left, 0), (right, 1)), (2, 1): ((left, 0),), (1, 2): ((right, 1),)}.get(ranks)
+        sizes = [self.size(index(attribute(copy(factor), "shape"), const(axis))) for factor, axis in places or ()]
+        return tuple_of(*sizes) if sizes and None not in sizes else None
 
     def shape_in_parameters(self, shape: AST | None) -> AST | None:
         return None if shape is None else self.size(shape)
@@ -127,6 +136,13 @@ def operands(node: AST) -> list[AST]:
     return [node.operand] if isinstance(node, UnaryOp) else list(node.elts if isinstance(node, Tuple) else node.args)
 
 
+def _factors(node: AST) -> list[AST] | None:
+    """The factors of a product of matrices."""
+    if isinstance(node, BinOp):
+        return operands(node) if isinstance(node.op, MatMult) else None
+    return node.args if call_name(node) in ("numpy.matmul", "numpy.dot") and len(node.args) == 2 else None
+
+
 def _parts(node: AST) -> list[AST]:
     """The operands whose shape the value of an expression may have."""
     if isinstance(node, (BinOp, UnaryOp)):
@@ -135,6 +151,7 @@ def _parts(node: AST) -> list[AST]:
     rule = find_array(called) if called else None
     if rule is not None:
         return node.args[:1] if rule.law in _KEEPING else []
-    elementwise = called in ("numpy.where", "numpy.copy") or called.startswith("numpy.") and isinstance(
-        library_value(called), numpy.ufunc)
+    function = library_value(called) if called.startswith("numpy.") else None
+    elementwise = called in ("numpy.where", "numpy.copy") or isinstance(
+        function, numpy.ufunc) and function.signature is None
     return list(node.args) if elementwise else []

@@ -233,6 +233,38 @@ def turned(a, n):
     return np.sum(m[0] * np.array([1.0, 2.0, 3.0]))
 
 
+# -- products of matrices -------------------------------------------------------------------------------------------
+
+def mixed(q, v, mask):
+    w = np.exp(q @ q.T + mask)
+    for i in range(w.shape[0]):
+        w[i] = w[i] / np.sum(w[i])
+    return w @ v
+
+
+def mixed_row(q, v):
+    w = np.sin(q)
+    for i in range(w.shape[0]):
+        w[i] = w[i] * (i + 1)
+    return w[0] @ v
+
+
+def of_products(m, c):
+    mask = (1 - np.tri(m.shape[0], dtype=m.dtype)) * -1e10
+    first = mixed(m, m[:, :2], mask) + mixed(c * m, m[:, 1:3], mask)
+    rows = mixed_row(m, m.T) * mixed_row(m * m, m.T)
+    return np.sum(first[:, 0] * first[:, 1]) + np.sum(rows)
+
+
+def unread_type(q, k, v, mask):
+    return np.exp(q @ k.T + mask) @ v
+
+
+def requested_dtype(m):
+    mask = (1 - np.tri(m.shape[0], dtype=m.dtype)) * -1e10
+    return np.sum(unread_type(m, m, m[:, 1:], mask) ** 2) + np.sum(unread_type(m, 0.5 * m, m[:, :2], mask))
+
+
 def cases():
     # helpers
     yield Case(helpers, (Y, U, V, np.array([0.35, 0.7])), ("u", "v", "p"), ("du",))
@@ -261,3 +293,7 @@ def cases():
     yield Case(found_in_a_loop, (U, 3), "u", of=None, refused=(
             "S201 at `return np.ones(k + 2) * u[k]`: an array of a size that a loop makes is returned from inside "
             "it: bind it to a name, break, and return it after"))
+    # products of matrices
+    yield Case(of_products, (M, 0.3), ("m", "c"))
+    yield Case(requested_dtype, (M,), ("m",))
+    yield Case(requested_dtype, (M.astype("float32"),), ("m",))

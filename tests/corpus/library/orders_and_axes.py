@@ -145,6 +145,34 @@ _SHARED = ("an array is written that NumPy shares with another one, which is a v
            "the array itself, or take a copy: np.copy(...)")
 
 
+DIRECTIONS = np.array([[0, 1], [1, -1], [-1, 0]])
+
+
+class Lattice:
+    directions = np.array([[0, 1], [1, -1], [-1, 0]])
+
+    def __init__(self, m):
+        self.m = m
+
+    def stream(self, k):
+        return np.roll(self.m, self.directions[k], axis=(0, 1))
+
+
+def shifts_of_a_row(m, t):
+    lattice, s = Lattice(m), 0.0
+    for k in range(3):
+        s += np.sum(lattice.stream(k) * m[::-1]) * np.sum(np.roll(m, DIRECTIONS[k], axis=(1, 0)) ** 2 * m)
+    return s
+
+
+def taken_by_ranges(m, t):
+    s = 0.0
+    for axis in (0, 1):
+        n = m.shape[axis]
+        s += np.sum(np.take(m, range(1, n), axis=axis) * np.take(m, range(n - 1), axis=axis))
+    return s
+
+
 def cases():
     rng = generator(17)
     m, t = rng.random((3, 4)), rng.random((2, 3, 3))
@@ -163,3 +191,5 @@ def cases():
         "out every axis of length 1: sum_value.shape[1] is 1: name it"))
     yield Case(written_behind, (m, t), refused=f"S201 at `m[0, 0] = 2.0`: {_SHARED}")
     yield Case(flat_columns_written, (m, t), refused=f"S201 at `v[0] = 2.0`: {_SHARED}")
+    for kernel in (shifts_of_a_row, taken_by_ranges):
+        yield Case(kernel, (m, t), ("m",))

@@ -1,6 +1,8 @@
 """Parts of arrays in lists (`np.split`), rows of arrays as arguments one by one (`f(*q)`), frames of one number."""
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from tests.corpus import Case
@@ -54,6 +56,31 @@ def framed(x):
     return np.sum(y[:, 1:] * y[:, :-1]) + np.sum(z[1:] * z[:-1])
 
 
+def counted_sections(y, count):
+    parts = [np.split(a, count, axis=-1) for a in np.split(y, 2, axis=-1)]
+    return sum(np.sum(q ** 2 * k) for q, k in zip(*parts))
+
+
+class Quaternion:
+    def __init__(self, w, x, y, z):
+        self.w, self.x, self.y, self.z = w, x, y, z
+
+
+@dataclass
+class Point:
+    x: float
+    y: float
+
+
+def made_of_rows(y):
+    steps = np.diff(y, axis=0)
+    q, p = Quaternion(y[0, 0], *np.diff(y[1])), Point(*np.diff(y[0, :3]))
+    return np.sum(np.hypot(*steps[:, :2].T)) + q.w * q.x + q.y * q.z + p.x / p.y
+
+
 def cases():
     for kernel in (in_a_loop, heads, one_by_one, framed):
         yield Case(kernel, (X,), "x")
+    y = np.outer(X, X[:4] ** 2) + X[:, None]
+    yield Case(counted_sections, (y, 2), "y")
+    yield Case(made_of_rows, (y,), "y")

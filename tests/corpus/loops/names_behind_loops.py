@@ -113,6 +113,32 @@ def without_a_round(x, n):
     return s * x[i] * v
 
 
+def structure_of_the_last_round(x, n):
+    r = x
+    for it in range(n):
+        q = {"a": r * it, "b": [r * r, np.ones(4)]}
+        if np.max(r) > 2.2:
+            break
+        r = 1.1 * r
+    return np.sum(q["a"] * q["b"][0]) + np.sum(q["b"][1] * r)
+
+
+class Pair:
+    def __init__(self, first, second):
+        self.first, self.second = first, second
+
+
+def structure_changed_behind_the_exit(x, n):
+    r = x[0]
+    for it in range(n):
+        p = Pair(r * it, [r * r, 3.0])
+        if r > 0.8:
+            break
+        p.second[1] = r
+        r = 1.3 * r
+    return p.first + p.second[0] * p.second[1] * r
+
+
 def cases():
     for n in (0, 1, 3):
         yield Case(without_a_round, (X, n), ("x",))
@@ -121,3 +147,6 @@ def cases():
             yield Case(kernel, (X, n), ("x",))
     yield Case(left, (X - 2.0, 4), ("x",))
     yield Case(otherwise, (4.0 * X, 4), ("x",))
+    for kernel in (structure_of_the_last_round, structure_changed_behind_the_exit):
+        for n in (1, 3, 7):
+            yield Case(kernel, (X, n), ("x",))

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object, uses
-from s2sad.evaluate.specialize.values import Data, Value, count
+from s2sad.evaluate.specialize.values import UNKNOWN, Data, Reference, TupleValue, Value, alike, count
 from s2sad.tree import AST
 
 Objects = dict[int, Object]
@@ -132,3 +132,24 @@ def parallel(moves: Sequence[tuple[str, AST]], origin: AST) -> list[AST]:
 def _place(value: AST, origin: AST) -> AST:
     """Where a slot got its value: that is what its move is about."""
     return value if isinstance(value, tree.Name) and getattr(value, "lineno", None) else origin
+
+
+def same_things(objects: Objects, value: Value, others: Objects, other: Value, asked: frozenset[int] = frozenset()
+                ) -> bool:
+    """Whether two values of two heaps are the same, whatever is known of them, and what structures in them hold."""
+    if not alike(plainly_named(value), plainly_named(other)):
+        return False
+    if isinstance(value, TupleValue) and isinstance(other, TupleValue):
+        return all(same_things(objects, v, others, o, asked) for v, o in zip(value.items, other.items))
+    if not isinstance(value, Reference) or value.number in asked:
+        return True
+    held, there = objects.get(value.number), others.get(value.number)
+    return held is not None and there is not None and list(held.items) == list(there.items) and all(
+        same_things(objects, v, others, there.items[k], asked | {value.number}) for k, v in held.items.items())
+
+
+def plainly_named(value: Value) -> Value:
+    """A value of which nothing is known but its names."""
+    if isinstance(value, TupleValue):
+        return replace(value, items=tuple(map(plainly_named, value.items)))
+    return replace(value, known=UNKNOWN) if isinstance(value, Data) and value.name else value

@@ -15,14 +15,14 @@ from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unbound, Unevaluated
 from s2sad.evaluate.specialize.heap import Object
-from s2sad.evaluate.specialize.control.joined_names import Way, parallel
+from s2sad.evaluate.specialize.control.joined_names import Way, parallel, plainly_named, same_things
 from s2sad.evaluate.specialize.control.loop_closed_names import close_names, frames_around, read_outside
 from s2sad.evaluate.specialize.control.loop_homes import (
     ChoiceHome, Move, at_once, choice_home, home_of, moved, names_of, placed, shape, size,
 )
 from s2sad.evaluate.specialize.control.state_joins import Join
 from s2sad.evaluate.specialize.values import (
-    NONE, UNKNOWN, Conflict, Data, FunctionValue, Reference, TupleValue, Value, alike, constant, count, parts, renamed,
+    NONE, Conflict, Data, FunctionValue, Reference, TupleValue, Value, alike, constant, count, parts, renamed,
 )
 from s2sad.tree import AST
 
@@ -192,7 +192,8 @@ def _bound_on_exits(ev: Evaluator, loop: ResidualLoop, ways: Sequence[Way], head
         ends = [w.objects[number].items for w in ways if number in w.objects]
         for key in dict.fromkeys(k for items in ends for k in items):
             there = [(w, items[key]) for w, items in zip(ways, ends) if key in items]
-            same = len(there) == len(ways) and all(alike(_plain(there[0][1]), _plain(v)) for _, v in there[1:])
+            same = len(there) == len(ways) and all(
+                same_things(there[0][0].objects, there[0][1], w.objects, v) for w, v in there[1:])
             is_read = number == loop.left.number or key in wanted and not same
             if is_read and key not in head[number].items:
                 late[number][key] = join.bound_on(there, "result" if isinstance(key, tuple) else str(key))
@@ -216,10 +217,11 @@ def _bound_inside(ev: Evaluator, ends: Sequence[Objects]) -> None:
             continue
         found = [end[n].items for end in ends if n in end]
         more = {k: v for items in found for k, v in items.items() if k not in held.items
-                and (_stays(v) or len(ends) == 1 and isinstance(v, Reference))
-                and all(k in i and alike(_plain(i[k]), _plain(v)) for i in found)}
+                and (_stays(v) or isinstance(v, Reference))
+                and all(k in end[n].items and same_things(ends[0], v, end, end[n].items[k])
+                        for end in ends if n in end)}
         for key, value in more.items():
-            ev.heap.put(Reference(n), key, _plain(value))
+            ev.heap.put(Reference(n), key, plainly_named(value))
 
 
 def _known_on_exits(value: Value, ends: Sequence[Value]) -> Value:
@@ -228,13 +230,6 @@ def _known_on_exits(value: Value, ends: Sequence[Value]) -> Value:
     if isinstance(value, Data) and known and all(isinstance(k, bool) and k == known[0] for k in known):
         return replace(value, known=known[0])
     return value
-
-
-def _plain(value: Value) -> Value:
-    """A value of which nothing is known but its names."""
-    if isinstance(value, TupleValue):
-        return replace(value, items=tuple(map(_plain, value.items)))
-    return replace(value, known=UNKNOWN) if isinstance(value, Data) and value.name else value
 
 
 def _at_home(ev: Evaluator, loop: ResidualLoop, prelude: list[AST], origin: AST) -> None:

@@ -23,7 +23,7 @@ from s2sad.evaluate.specialize.values import (
 from s2sad.evaluate.specialize.control.choice_joins import (
     Alternative, alternatives, are_functions, chosen_value, decided_again, is_chosen, maybe_unbound,
 )
-from s2sad.evaluate.specialize.control.joined_names import Merged, Objects, Way, settled_names
+from s2sad.evaluate.specialize.control.joined_names import Merged, Objects, Way, same_things, settled_names
 from s2sad.evaluate.specialize.sparse.matrix_values import KINDS
 from s2sad.program import Fact
 from s2sad.tree import AST
@@ -157,7 +157,8 @@ class Join:
         if isinstance(value, Data):
             return not value.may_be_unbound and bool(value.name) and self.ev.born.get(value.name, 0) <= self.begun
         if isinstance(value, Reference):
-            return all(value.number in w.objects for w in self.ways)
+            return all(value.number in w.objects and same_things(
+                self.ways[0].objects, value, w.objects, value) for w in self.ways)
         return isinstance(value, TupleValue) and all(map(self._is_on_all, value.items))
 
     def _one_name(self, data: Sequence[tuple[Way, Data]], wanted: str, tests: Sequence[AST | None] = ()

@@ -24,6 +24,7 @@ Options = dict[str, Value]
 Known = Callable[[Evaluator, Args, Options, AST, Frame], "Value | None"]
 FUNCTIONS: dict[str, Known] = {}
 _MOST_SECTIONS = 16     # of which each is an expression of its own
+_OF_PLACES = ("numpy.take", "numpy.take_along_axis", "numpy.delete", "numpy.put")
 _STOPPING = ("builtins.any", "builtins.all", "builtins.next")       # go no further than the first item that decides
 
 
@@ -146,7 +147,9 @@ def _known_value(ev: Evaluator, value: Value) -> Any:
 
 
 def _as_array(ev: Evaluator, path: str, value: Value, node: AST, f: Frame) -> Value:
-    """What is gone through by a function of arrays, written out."""
+    """What is gone through by a function of arrays, written out; the array of a range."""
+    if isinstance(value, Iteration) and value.kind == "range" and path in _OF_PLACES:
+        return library_call(ev, "numpy.arange", value.parts, {}, node, f)
     lazy = isinstance(value, Iteration) and value.kind in (
         *LAZY, "map", "filter", "keys", "values", "items", "zip", "enumerate")
     if lazy and not (path.startswith("builtins.") and ev.stays_one(value)):
@@ -161,9 +164,24 @@ def _sections(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) 
     ends = given.items if isinstance(given, TupleValue) else ev.sequence_items(given) if isinstance(
         given, Reference) and ev.is_spelled_out(given) else None
     count = len(ends) + 1 if ends is not None else given.known if isinstance(given, Data) else None
+    if isinstance(given, Data) and not given.is_known and given.demands:
+        raise ev.unknown(node, "how many parts there are must be known before the run", given)
     if type(count) is not int or not 0 < count <= _MOST_SECTIONS:
         return None
     return _parts(ev, count, "sections", args, options, node, f)
+
+
+@function("numpy.roll")
+def _rolled(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
+    """Shifts along several axes that are an array, one by one."""
+    rest = [*args[2:], *(v for k, v in options.items() if k == "axis")]
+    shift = args[1] if len(args) > 1 else options.get("shift")
+    if not (isinstance(shift, Data) and shift.shape != () and rest and isinstance(rest[0], TupleValue)):
+        return None
+    if len(shape(shift) or ()) != 1:
+        return None
+    shifts = TupleValue(tuple(ev.item_of(shift, constant(k), node, f) for k in range(len(rest[0].items))))
+    return library_call(ev, "numpy.roll", [args[0], shifts, rest[0]], {}, node, f)
 
 
 @function("numpy.meshgrid")
