@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import tracemalloc
 from dataclasses import asdict
+from functools import partial
 from importlib.util import find_spec
 from statistics import median
 from time import process_time
@@ -18,6 +19,8 @@ from benchmarks.kernels.brusselator import brusselator
 from benchmarks.kernels.cases import CASES, field
 from benchmarks.peers.sections import Chapter, Section
 from benchmarks.tables import Table
+from s2sad.dispatch.cache import derivatives_of
+from s2sad.interface.value_calls import ForwardCall
 
 _LEAST = 2e-4       # seconds of a measurement
 
@@ -49,8 +52,11 @@ def tables(quick: bool, kernels: list[str]) -> list[Table]:
                   ("directions at once", "Jacobian", "per batch", "per direction"), _of_upwind(5 if quick else 50),
                   [_of_upwind_sparse(5 if quick else 50)])
     kernels = ["upwind", "brusselator", "seidel", "advect", "jacobi"]
-    several = Table("Eight directions at once (batch=True), in calls for one", ("kernel", "tangents", "adjoints"),
-                    [_at_once(name, 3 if quick else 20) for name in kernels])
+    several = Table("Eight directions at once (batch=True), in calls for one",
+                    ("kernel", "tangents", "adjoints", "compiled tangents"),
+                    [_at_once(name, 3 if quick else 20) for name in kernels],
+                    ["Directions come and go along the first axis, and compiled functions have them along the last: "
+                     "the last column is without that."])
     stiff = Table("The stiff Brusselator by solve_ivp(method=\"BDF\"), to t = 0.5",
                   ("n", "Jacobian", "time", "calls of f", "Jacobians", "factorizations"),
                   [row for n in ((8, 16) if quick else (16, 32, 64)) for row in _integrated(n, 1 if quick else 3)],
@@ -129,8 +135,24 @@ def _at_once(name: str, rounds: int) -> tuple[str, ...]:
             "adjoints": lambda: s2sad.vjp(f, args, {of: weights}, wrt=wrt, batch=True)}
     for way in ways.values():
         way()
+    ways |= _compiled(f, args, wrt, of)
     found = in_turns(ways, rounds)
-    return name, *(f"{found[f'{mode}s'] / found[mode]:.1f}" for mode in ("tangent", "adjoint"))
+    return name, *(f"{found[f'{mode}s'] / found[mode]:.1f}" for mode in ("tangent", "adjoint", "compiled tangent"))
+
+
+def _compiled(f: Any, args: tuple[Any, ...], wrt: str, of: str) -> dict[str, Any]:
+    """The compiled tangents for one direction and for eight, on arrays that lie as they have them."""
+    call, made = ForwardCall(derivatives_of(f).state(), f, args, (wrt,), (of,)), {}
+    values = dict(zip(call.names, call.private_copies(args, whole=True)))
+    many = call.many(8)
+    for title, derivative, lanes in (("compiled tangent", call.fv, ()), ("compiled tangents", many, (8,))):
+        assert derivative is not None
+        shadows = {n: np.ones((*np.shape(values[n]), *lanes)) if lanes or np.ndim(values[n]) else 1.0
+                   for n in derivative.shadows}
+        call.call(derivative, values, shadows)
+        arguments = derivative.assemble(values, shadows, (), call.state.private_outside_arrays(call.types))
+        made[title] = partial(derivative.call, *arguments)
+    return made
 
 
 def _integrated(n: int, rounds: int) -> list[tuple[str, ...]]:

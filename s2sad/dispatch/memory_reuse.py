@@ -9,6 +9,7 @@ larger by itself is not kept at all.
 from __future__ import annotations
 
 import itertools
+import math
 import threading
 import weakref
 from collections.abc import Callable, Mapping
@@ -145,15 +146,19 @@ class CallCopies:
 
     def of(self, place: Any, array: np.ndarray) -> np.ndarray:
         """A copy that nobody has when the call has ended, in C order."""
-        if array.nbytes < _LARGE:
-            return np.array(array, order="C")
+        found = self.memory(place, array.shape, array.dtype)
+        found[...] = array
+        return found
+
+    def memory(self, place: Any, shape: tuple[int, ...], dtype: np.dtype[Any]) -> np.ndarray:
+        """An array that nobody has when the call has ended, whatever it holds."""
+        if math.prod(shape) * dtype.itemsize < _LARGE:
+            return np.empty(shape, dtype)
         if self._arrays is None:
             self._arrays = self._threads.kept().take()
         found = self._arrays.get(place)
-        if found is None or found.shape != array.shape or found.dtype != array.dtype:
-            found = self._arrays[place] = np.array(array, order="C")
-        else:
-            found[...] = array
+        if found is None or found.shape != shape or found.dtype != dtype:
+            found = self._arrays[place] = np.empty(shape, dtype)
         return found
 
     def end(self) -> None:

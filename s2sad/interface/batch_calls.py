@@ -13,6 +13,7 @@ import numpy as np
 
 from s2sad.dispatch.arguments import misfit
 from s2sad.dispatch.executable import Executable
+from s2sad.dispatch.memory_reuse import CallCopies
 from s2sad.infer.types import Type, misfit_of
 from s2sad.interface.selection import RETURN, places, seeds_by_position
 from s2sad.interface.value_calls import ForwardCall, PreparedCall, ReverseCall
@@ -60,7 +61,7 @@ def count_of(given: Mapping[str, np.ndarray]) -> int:
 class Lists:
     """For NumPy: a list of arrays or numbers."""
 
-    def shadow(self, like: Any, count: int, given: np.ndarray | None) -> list[Any]:
+    def shadow(self, name: Any, like: Any, count: int, given: np.ndarray | None) -> list[Any]:
         """The directions of a value, zeros if none are given."""
         if given is not None:
             return [d.item() if not d.ndim else d for d in np.array(given, order="C")]
@@ -78,19 +79,20 @@ class Lists:
 class Lanes:
     """For Numba: an array with the directions along its last axis, so many as its derivative takes."""
 
-    def __init__(self, width: int):
-        self.width = width
+    def __init__(self, width: int, copies: CallCopies):
+        self.width, self._copies = width, copies
 
-    def shadow(self, like: Any, count: int, given: np.ndarray | None) -> np.ndarray:
+    def shadow(self, name: Any, like: Any, count: int, given: np.ndarray | None) -> np.ndarray:
         """The directions of a value, zeros where none are given."""
-        if given is None or len(given) < self.width:
-            shape, dtype = np.shape(like) if given is None else given.shape[1:], getattr(given, "dtype", None)
-            made = np.zeros((*shape, self.width), dtype or getattr(like, "dtype", type(like)))
+        shape, dtype = np.shape(like) if given is None else given.shape[1:], getattr(given, "dtype", None)
+        made = self._copies.memory(("directions", name), (*shape, self.width), np.dtype(
+            dtype or getattr(like, "dtype", type(like))))
+        if given is None:
+            made.fill(0)
         else:
-            made = np.empty((*given.shape[1:], self.width), given.dtype)
-        if given is not None:
-            flat, width = given.reshape(len(given), -1), self.width
-            _transpose(flat, made.reshape(-1, width)[:, :len(given)])
+            lanes = made.reshape(-1, self.width)
+            _transpose(given.reshape(len(given), -1), lanes[:, :len(given)])
+            lanes[:, len(given):] = 0
         return made
 
     def found(self, value: Any, count: int) -> np.ndarray:
@@ -133,7 +135,8 @@ class BatchCall:
         chosen = width or width_for(count)
         self.many = call.many(chosen)
         in_lists = self.many is None or self.many.engine == "numpy"
-        self.layout: Lists | Lanes = Lists() if in_lists else Lanes(chosen)
+        self._copies = CallCopies(call.kept)
+        self.layout: Lists | Lanes = Lists() if in_lists else Lanes(chosen, self._copies)
         self.width = width or max(count, 1) if in_lists else chosen
 
     def run(self, one: Callable[[int], dict[str, Any]],
@@ -143,6 +146,7 @@ class BatchCall:
             found = [block(self.many, part) for part in _blocks(max(self.count, 1), self.width)]
         else:
             found = [_with_axis(one(k)) for k in range(max(self.count, 1))]
+        self._copies.end()
         return _joined(found, self.count)
 
 
@@ -187,7 +191,7 @@ def jvp(call: ForwardCall, args: Sequence[Any], tangents: Mapping[str, Any], wid
 
     def block(many: Executable, part: slice) -> dict[str, Any]:
         held, count = dict(zip(call.names, call.private_copies(args, whole=True))), part.stop - part.start
-        shadows = {n: batch.layout.shadow(held[n], count, given[n][part] if n in given else None)
+        shadows = {n: batch.layout.shadow(n, held[n], count, given[n][part] if n in given else None)
                    for n in many.shadows}
         found = call.outputs(shadows, call.call(many, held, shadows), many.generated.returns)
         return {n: _of_each(v, lambda value: _leaf(batch, value, count)) for n, v in found.items()}
@@ -227,13 +231,13 @@ def vjp(call: ReverseCall, args: Sequence[Any], seeds: Mapping[str, Any], width:
     def block(many: Executable, part: slice) -> dict[str, Any]:
         held, count = dict(zip(call.names, call.private_copies(args, whole=True))), part.stop - part.start
         layout = batch.layout
-        shadows = {n: layout.shadow(held[n], count, given[n][part] if n in given and n in call.of else None)
+        shadows = {n: layout.shadow(n, held[n], count, given[n][part] if n in given and n in call.of else None)
                    for n in many.shadows}
         by_place = {k: s[part] for k, s in results.items()}
         for place, name in call.results.aliases.items():
             if place in by_place:
                 layout.add(shadows[name], by_place.pop(place))
-        own = [layout.shadow(None, count, by_place[k]) for k in places([p.primal for p in many.seeds])]
+        own = [layout.shadow(k, None, count, by_place[k]) for k in places([p.primal for p in many.seeds])]
         returned = dict(zip(many.generated.returns, call.call(many, held, shadows, own)))
         return {n: layout.found(shadows[n] if n in shadows else returned[n], count) for n in call.wrt}
     if batch.many is not None:

@@ -57,7 +57,7 @@ class PreparedCall:
         if self._apart is not None:
             self._apart(values)
         self._ready: set[int] = set()
-        self._kept = InThreads(state.function)
+        self.kept = InThreads(state.function)
         self._many: dict[int, Executable | None] = {}
 
     def values_of(self, args: Sequence[Any]) -> list[Any]:
@@ -172,7 +172,7 @@ class ReverseCall(PreparedCall):
                 warn(f"no output asked for of '{self.state.kernel.name}' depends on '{name}': its gradient is zero")
 
     def run(self, args: Sequence[Any], seeds: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[Any, ...]]:
-        copies = CallCopies(self._kept)
+        copies = CallCopies(self.kept)
         values, shadows, result_seeds = self.bind_values(args, seeds, copies.of)
         returned = self.call(self.rv, values, shadows, result_seeds)
         copies.end()
@@ -271,7 +271,7 @@ class ForwardCall(PreparedCall):
         return None if name in self._given else copied
 
     def jvp(self, args: Sequence[Any], tangents: Mapping[str, Any]) -> dict[str, Any]:
-        copies = CallCopies(self._kept)
+        copies = CallCopies(self.kept)
         values, shadows = self.bind_values(args, tangents, copies.of if self._keeps else None)
         returned = self.call(self.fv, values, shadows)
         copies.end()

@@ -229,3 +229,31 @@ def test_a_derivative_of_the_users_own_is_called_for_each():
     np.testing.assert_allclose(found, [[8.0 / 3.0], [16.0 / 3.0]], rtol=1e-14)
     found = s2sad.vjp(f, (np.ones(1), 8.0), {"x": np.array([[1.0], [2.0]])}, wrt="a", batch=True)["a"]
     np.testing.assert_allclose(found, [8.0 / 3.0, 16.0 / 3.0], rtol=1e-14)
+
+
+# -- memory -----------------------------------------------------------------------------------------------------------
+
+def lagged(u, y):
+    for i in range(1, u.size):
+        y[i] = u[i] * u[i - 1]
+    return np.sum(y)
+
+
+@ENGINES
+def test_a_call_takes_the_memory_of_the_last_one_and_gives_none_of_it(engine):
+    """Directions that are kept between calls: what was found stays, and zeros are zeros again."""
+    rng = np.random.default_rng(3)
+    u, y = rng.uniform(0.5, 1.5, 1500), np.zeros(1500)
+    calls = [(*rng.standard_normal((2, k, 1500)), rng.standard_normal(k)) for k in (5, 3, 9)]
+    with running(engine) as under:
+        f = s2sad.differentiate(lagged, engine=under)
+        ahead = [s2sad.jvp(f, (u, y), {"u": along}, batch=True) for along, _, _ in calls]
+        back = [s2sad.vjp(f, (u, y), {"y": w, "return": r}, batch=True) for _, w, r in calls]
+        for (along, weights, seeds), found, gradients in zip(calls, ahead, back):
+            for k in range(len(along)):
+                one = s2sad.jvp(f, (u, y), {"u": along[k].copy()})
+                other = s2sad.vjp(f, (u, y), {"y": weights[k].copy(), "return": float(seeds[k])})
+                np.testing.assert_allclose(found["y"][k], one["y"], rtol=1e-14)
+                np.testing.assert_allclose(found["return"][k], one["return"], rtol=1e-12)
+                for name in ("u", "y"):
+                    np.testing.assert_allclose(gradients[name][k], other[name], rtol=1e-13, atol=1e-14)
