@@ -73,15 +73,6 @@ def broadcast_arrays(*args):
     return [np.broadcast_to(a, whole.shape) for a in args]
 
 
-def sliding_window_view(x, window_shape):
-    widths = window_shape if isinstance(window_shape, tuple) else (window_shape,)
-    if len(widths) != x.ndim:
-        raise ValueError("sliding_window_view: a length for each axis")
-    if x.ndim > 1:
-        raise NotImplementedError("sliding_window_view: windows of several axes")
-    return x[np.arange(len(x) - widths[0] + 1)[:, None] + np.arange(widths[0])]
-
-
 def unravel_index(indices, shape):
     rest, places = indices, []
     for length in reversed(shape):
@@ -236,7 +227,7 @@ def _by_path(room: str, *found: Any) -> Iterable[tuple[str, Any]]:
 WRITTEN: dict[str, Callable[..., Any]] = dict((
     *_by_path("numpy", piecewise, fromfunction, apply_along_axis, rollaxis, broadcast_arrays, unwrap, polyadd, polysub,
               poly1d),
-    *_by_path("numpy.lib.stride_tricks", sliding_window_view), *_by_path("numpy.polynomial", Polynomial),
+    *_by_path("numpy.polynomial", Polynomial),
     *_by_path("numpy.polynomial.polynomial", Polynomial), *_by_path("numpy.polynomial.chebyshev", chebval),
     *_by_path("numpy.polynomial.legendre", legval), *_by_path("numpy.polynomial.hermite", hermval),
     *_by_path("numpy.polynomial.hermite_e", hermeval), *_by_path("numpy.polynomial.laguerre", lagval)))

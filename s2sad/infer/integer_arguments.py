@@ -18,7 +18,7 @@ _POSITIONS: dict[str, tuple[int, ...] | range] = {
     **dict.fromkeys(("tile", "repeat", "roll", "diff", "pad", "trace", "diag", "diagonal", "tril", "triu", "vander",
                      "split", "array_split", "hsplit", "vsplit", "dsplit", "expand_dims", "broadcast_to", "rot90",
                      "transpose", "take", "squeeze", "partition", "flip", "swapaxes",
-                     "moveaxis", "rollaxis"), range(1, 99)),
+                     "moveaxis", "rollaxis", "lib.stride_tricks.sliding_window_view"), range(1, 99)),
     **dict.fromkeys(("linspace", "logspace", "geomspace"), (2,)),
     "reshape": range(1, 99), "resize": range(1, 99), "linalg.matrix_power": (1,),
     **dict.fromkeys(("sum", "prod", "mean", "std", "var", "cumsum", "cumprod", "max", "min", "argmax", "argmin", "sort",
@@ -26,7 +26,7 @@ _POSITIONS: dict[str, tuple[int, ...] | range] = {
 }
 _OF_MATH = {"comb": _ALL, "perm": _ALL, "factorial": _ALL, "gcd": _ALL, "lcm": _ALL, "isqrt": _ALL, "ldexp": (1,)}
 _KEYWORDS = ("shape", "newshape", "num", "k", "offset", "shift", "axis", "axes", "axis1", "axis2", "n", "N", "M",
-             "repeats", "reps", "pad_width", "indices_or_sections", "minlength")
+             "repeats", "reps", "pad_width", "indices_or_sections", "minlength", "window_shape")
 
 
 def integer_arguments(node: Call) -> Iterator[AST]:

@@ -34,6 +34,7 @@ for _text in (
         "numpy.concatenate(x, axis=0)", "numpy.stack(x, axis=0)", "numpy.hstack(x)", "numpy.vstack(x)", "numpy.r_(x)",
         "numpy.column_stack(x)", "numpy.append(x, values)",
         "numpy.expand_dims(x, axis)", "numpy.squeeze(x, axis=None, whole=False)", "numpy.swapaxes(x, axis1, axis2)",
+        "numpy.lib.stride_tricks.sliding_window_view(x, window_shape, axis=None)",
         "numpy.tile(x, reps)", "numpy.repeat(x, repeats, axis=None)",
         "numpy.pad(x, pad_width, mode='constant', constant_values=0.0)",
         "numpy.diag(x, k=0)", "numpy.diagonal(x, offset=0, axis1=0, axis2=1)", "numpy.tril(x, k=0)",

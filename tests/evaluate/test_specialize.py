@@ -75,10 +75,49 @@ def list_behind_a_cache(x):
     return listed(x[0])[0] * x[1]
 
 
+def calls_behind_a_cache(x):
+    @functools.cache
+    def price(i, j):
+        return x[0] ** j * x[1] if i == 6 else 0.5 * (price(i + 1, j + 1) + x[1] * price(i + 1, j))
+    return price(0, 0)
+
+
+def structure_behind_a_cache(x):
+    @functools.lru_cache
+    def f(k, scale=1.0):
+        return [x[0] * k * scale]
+    f(2)[0] *= x[1]
+    return f(2)[0] + f(3)[0] + f(3, scale=2.0)[0]
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
 @pytest.mark.parametrize("kernel", [counting_behind_a_cache, bound_anew_behind_a_cache, element_behind_a_cache,
-                                    list_behind_a_cache])
-def test_a_function_behind_a_cache_gives_the_same_for_the_same_numbers(kernel):
-    with pytest.raises(S2sadError, match="a function behind a cache, which is more than one of numbers"):
+                                    calls_behind_a_cache, structure_behind_a_cache])
+def test_a_function_behind_a_cache_gives_the_same_for_the_same_arguments(kernel, engine):
+    check_derivatives(kernel, (np.array([0.3, 0.7]),), ("x",), ("return",), engine)
+
+
+def forgetful(x):
+    @functools.lru_cache(maxsize=2)
+    def f(k):
+        return x[0] ** k
+    return f(1) + f(2) + f(3)
+
+
+def on_one_way(x):
+    @functools.cache
+    def f(k):
+        return x[0] ** k
+    s = f(2) if x[1] > 0.0 else 1.0
+    return s + f(2)
+
+
+@pytest.mark.parametrize("kernel, said", [
+    (list_behind_a_cache, "a function behind a cache, which is more than one of numbers"),
+    (forgetful, "a cache that forgets: it is asked for more results than it holds"),
+    (on_one_way, "a cache that holds this result on some ways only")])
+def test_a_cache_that_is_not_followed_is_refused(kernel, said):
+    with pytest.raises(S2sadError, match=said):
         gradient(kernel)(np.array([0.3, 0.7]))
 
 

@@ -17,14 +17,6 @@ def series_of_several(x, a):
     return np.sum(np.polynomial.chebyshev.chebval(x[:2], np.outer(np.ones(3), np.arange(2.0))))
 
 
-def windows_of_two_axes(x, a):
-    return np.sum(np.lib.stride_tricks.sliding_window_view(a * x[0], (2, 2)) ** 2)
-
-
-def windows_of_one_of_two_axes(x, a):
-    return np.sum(np.lib.stride_tricks.sliding_window_view(a * x[0], 2) ** 2)
-
-
 def lines_of_three_axes(x, a):
     return np.sum(np.apply_along_axis(np.ptp, 1, np.ones((2, 2, 2)) * x[0]) ** 2)
 
@@ -36,7 +28,6 @@ def too_few_functions(x, a):
 @pytest.mark.parametrize("engine", ["numpy", "numba"])
 @pytest.mark.parametrize(("kernel", "said"), [
     (compared, "polynomials that are compared"), (series_of_several, "coefficients with several axes"),
-    (windows_of_two_axes, "windows of several axes"), (windows_of_one_of_two_axes, "a length for each axis"),
     (lines_of_three_axes, "arrays of more than two axes"),
     (too_few_functions, "as many functions as conditions, or one more")], ids=lambda v: getattr(v, "__name__", ""))
 def test_what_they_do_not_know(kernel, said, engine):

@@ -1,6 +1,7 @@
 """Functions among the arguments of a kernel: its derivative is that for these functions."""
 from __future__ import annotations
 
+import enum
 import functools
 from dataclasses import dataclass
 
@@ -80,3 +81,26 @@ def square_sum(u):
 def test_an_argument_that_is_a_type():
     with pytest.raises(s2sad.S2sadError, match="the argument 'u' is a type"):
         s2sad.gradient(square_sum)(float)
+
+
+class Flux(enum.Enum):
+    UPWIND = enum.auto()
+    CENTRAL = enum.auto()
+
+
+def transported(u, c, flux=Flux.UPWIND):
+    if flux is Flux.UPWIND:
+        return c * np.sum(u[:-1] * u[1:])
+    match flux:
+        case Flux.CENTRAL:
+            return c * c * np.sum(u ** 2)
+        case _:
+            raise ValueError(flux)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_members_of_enumerations(engine):
+    kernel = s2sad.differentiate(transported, engine=engine)
+    assert s2sad.gradient(kernel, wrt="c")(X, 2.0) == pytest.approx(np.sum(X[:-1] * X[1:]))
+    assert s2sad.gradient(kernel, wrt=("c",))(X, 2.0, Flux.CENTRAL) == pytest.approx(4.0 * np.sum(X ** 2))
+    assert np.allclose(s2sad.gradient(kernel)(X, 2.0, flux=Flux.CENTRAL)["u"], 8.0 * X)

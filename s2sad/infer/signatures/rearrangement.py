@@ -218,6 +218,14 @@ def _along(args: list[Type], options: Arguments) -> Type:
         UNKNOWN)
 
 
+def _windows(args: list[Type], options: Arguments) -> Type:
+    x, shape = args[0], options["window_shape"]
+    count = len(shape.elts) if isinstance(shape, (Tuple, List)) else 1
+    axes = range(x.rank) if is_none(options["axis"]) else axes_of(options["axis"], x.rank) or ()
+    whole = args[1].is_integer or args[1].kind == "tuple" and all(i.is_integer for i in args[1].items)
+    return of_rank(x, x.rank + count) if x.is_array and whole and len(axes) == count else UNKNOWN
+
+
 SHAPES: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.diff": _diff, "numpy.concatenate": _concatenate, "numpy.stack": _stack, "numpy.hstack": _hstack,
     "numpy.r_": _hstack,
@@ -229,6 +237,7 @@ SHAPES: dict[str, Callable[[list[Type], Arguments], Type]] = {
     "numpy.astype": _cast, "numpy.atleast_1d": _at_least(1), "numpy.atleast_2d": _at_least(2),
     "numpy.atleast_3d": _at_least(3), "numpy.dstack": _deep,
     "numpy.rot90": _turned, "numpy.diagflat": _diagflat, "numpy.split": _section, "numpy.array_split": _section,
+    "numpy.lib.stride_tricks.sliding_window_view": _windows,
     "numpy.hsplit": _section, "numpy.vsplit": _stacked_sections, "numpy.tri": _eye,
     **dict.fromkeys(("numpy.hanning", "numpy.hamming", "numpy.blackman", "numpy.bartlett"), _window),
     "scipy.sparse.entries": _scaled, "scipy.sparse.along": _along,

@@ -42,9 +42,9 @@ Holder = tuple[str, str, Any, "str | int"]
 
 def flatten(state: ProgramVersion, args: Sequence[Any]) -> Flattened | None:
     """The flat form of a call with structures; None if there is none among f's arguments and f needs none."""
-    if any(isinstance(d, tuple) for d in state.kernel.defaults.values()):
+    if any(isinstance(d, tuple) or _is_evaluated(d) for d in state.kernel.defaults.values()):
         args = bind(state.kernel, args)
-    if not state.depends_on_structure and (_PLAIN.issuperset(map(type, args)) or not any(map(is_structure, args))):
+    if not state.depends_on_structure and (_PLAIN.issuperset(map(type, args)) or not any(map(_is_evaluated, args))):
         return None
     args = bind(state.kernel, args)
     forms = tuple(without_lengths(form_of(v, n)) for n, v in zip(state.parameters, args))
@@ -68,6 +68,11 @@ def flatten(state: ProgramVersion, args: Sequence[Any]) -> Flattened | None:
                 del state.entries[demanded_key]
                 raise demanded.error from None
     return found
+
+
+def _is_evaluated(value: Any) -> bool:
+    """Whether only the evaluator can make use of a value: a structure, a member of an enumeration."""
+    return is_structure(value) or isinstance(value, Enum) and not isinstance(value, (int, str))
 
 
 def _facts(state: ProgramVersion, forms: tuple[Form, ...], args: Sequence[Any], key: tuple[Any, ...]

@@ -31,7 +31,7 @@ _SAME_MEMORY = {f"numpy.{f}" for f in ("asarray", "ascontiguousarray", "reshape"
 _PERMUTING = {f"numpy.{f}" for f in (
     "transpose", "flip", "fliplr", "flipud", "rot90", "squeeze", "swapaxes", "moveaxis", "expand_dims", "atleast_1d",
     "atleast_2d", "atleast_3d", "broadcast_to", "diagonal", "diag", "split", "array_split", "hsplit", "vsplit", "real",
-    "imag")}
+    "imag", "lib.stride_tricks.sliding_window_view")}
 
 
 class Contiguity:

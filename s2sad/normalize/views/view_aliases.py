@@ -29,7 +29,7 @@ from s2sad.tree import (
 VIEW_FUNCTIONS = {f"numpy.{f}" for f in (
     "transpose", "reshape", "ravel", "flip", "fliplr", "flipud", "rot90", "asarray", "ascontiguousarray", "squeeze",
     "swapaxes", "moveaxis", "expand_dims", "atleast_1d", "atleast_2d", "atleast_3d", "broadcast_to", "diagonal", "diag",
-    "split", "array_split", "hsplit", "vsplit", "real", "imag")}
+    "split", "array_split", "hsplit", "vsplit", "real", "imag", "lib.stride_tricks.sliding_window_view")}
 _SLICED = {f"numpy.{f}" for f in ("squeeze", "expand_dims", "atleast_1d", "atleast_2d",
                                  "atleast_3d")}     # `pieces` writes subscripts
 _ALIASES = {"numpy.asarray", "numpy.ascontiguousarray"}

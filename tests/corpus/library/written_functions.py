@@ -77,8 +77,33 @@ def several_points(x, a):
     return np.sum(np.polynomial.legendre.leggauss(100)[0]) * x[0]
 
 
+def windows_of_axes(x, a, n):
+    windows = np.lib.stride_tricks.sliding_window_view(a, (2, n))
+    columns = np.lib.stride_tricks.sliding_window_view(a, n, axis=1)
+    total = np.sum(windows.mean(axis=(2, 3)) * windows[:, :, 1, 0]) + np.max(windows[0, 0])
+    return total + np.sum(columns[..., 0] * columns[..., n - 1]) * x[0]
+
+
+def window_written_behind(x, a, n):
+    y = x * 1.0
+    windows = np.lib.stride_tricks.sliding_window_view(y, n)
+    y[0] = 5.0 * x[0]
+    return np.sum(windows ** 2)
+
+
+def windows_that_do_not_fit(x, a, n):
+    return np.sum(np.lib.stride_tricks.sliding_window_view(x, n + 9))
+
+
 def cases():
     for kernel in (pieces, along_axes, grids, series, polynomial, quadrature, signals, masked, classes_of_polynomials):
         yield Case(kernel, (X.copy(), A.copy()), ("x", "a"))
     yield Case(several_points, (X.copy(), A.copy()), ("x",), refused=(
         "S201 at `np.polynomial.legendre.leggauss(100)`: a quadrature of 100 points: take 64 at most"))
+    yield Case(windows_of_axes, (X.copy(), A.copy(), 2), ("x", "a"))
+    yield Case(window_written_behind, (X.copy(), A.copy(), 2), ("x",), refused=(
+        "S201 at `y[0] = 5.0 * x[0]`: an array is written that NumPy shares with another one, which is a view of it by "
+        "a function: write into the array itself, or take a copy: np.copy(...)"))
+    yield Case(windows_that_do_not_fit, (X.copy(), A.copy(), 2), ("x",), refused=(
+        "S501 at `np.lib.stride_tricks.sliding_window_view(x, n + 9)`: a window that is longer than its axis, or has "
+        "no elements"))

@@ -147,6 +147,35 @@ def assigned_before(x):
     return s.a * s.b
 
 
+class Vector:
+    def __init__(self, x, y):
+        self.x, self.y = x, y
+
+    def __add__(self, other):
+        return Vector(self.x + other.x, self.y + other.y)
+
+    def __mul__(self, factor):
+        return Vector(self.x * factor, self.y * factor)
+
+    __rmul__ = __mul__
+
+
+def scaled_from_the_left(x, n):
+    v, scale = Vector(x[0], x[1]), 1.0
+    for _ in range(n):
+        v = v + 0.5 * scale * v
+        scale = scale * x[2]
+    return v.x * v.y * scale
+
+
+def scaled_by_what_becomes_an_array(x, n):
+    v, scale = Vector(x[0], x[1]), 1.0
+    for _ in range(n):
+        v = scale * v
+        scale = x[:2] * scale
+    return np.sum(v.x * v.y * scale)
+
+
 def cases():
     # bound anew
     for kernel in KERNELS:
@@ -155,3 +184,8 @@ def cases():
     yield Case(assigned, (X,), "x")
     # without a loop
     yield Case(assigned_before, (X,), ("x",))
+    for n in (0, 3):
+        yield Case(scaled_from_the_left, (np.array([0.7, 1.2, 0.4]), n), ("x",))
+    yield Case(scaled_by_what_becomes_an_array, (np.array([0.7, 1.2, 0.4]), 3), ("x",), refused=(
+        "S201 at `scale * v`: an operator with an object on its right, and on its left what may be a number or an "
+        "array of NumPy's, which would not ask its class: put the object on the left"))

@@ -77,6 +77,8 @@ ROWS = {
     "shape": """
         np.broadcast_arrays(m, x)[1] * np.rollaxis(m, 1)
         np.lib.stride_tricks.sliding_window_view(x, 2)
+        np.lib.stride_tricks.sliding_window_view(m, (2, 3))
+        np.lib.stride_tricks.sliding_window_view(m, 3, axis=1)
         np.reshape(m, (2, 8)) * m.reshape(2, -1)
         np.ravel(m) * m.ravel() * m.flatten()
         np.reshape(m, (2, 8), order="F") * m.reshape(2, -1, order="C")

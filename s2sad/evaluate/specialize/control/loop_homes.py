@@ -16,6 +16,7 @@ from s2sad.evaluate.specialize.control.choice_joins import (
 from s2sad.evaluate.specialize.control.joined_names import parallel
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object, uses
+from s2sad.evaluate.specialize.sequences.known_shapes import shape as known_shape
 from s2sad.evaluate.specialize.values import Choice, Data, Reference, TupleValue, Value, alike
 from s2sad.tree import AST, names
 
@@ -29,6 +30,10 @@ class ChoiceHome:
     number: str
     alternatives: tuple[tuple[Objects, Value, Any], ...]
     times: int = 0      # how often one was added
+
+
+class NumberName(str):
+    """The name of what is a number in all rounds."""
 
 
 @dataclass(frozen=True)
@@ -49,10 +54,10 @@ def names_of(home: Any) -> list[str]:
 
 
 def size(home: Any) -> int:
-    """How many names and alternatives a home has."""
+    """How many names and alternatives a home has, those twice that may be arrays: what grows as more is found."""
     if isinstance(home, ChoiceHome):
         return 2 + sum(1 + size(h) for _, _, h in home.alternatives)
-    return 1 if isinstance(home, str) else sum(map(size, (home or {}).values()))
+    return 2 - isinstance(home, NumberName) if isinstance(home, str) else sum(map(size, (home or {}).values()))
 
 
 def _parts(objects: Objects, value: Value) -> list[tuple[Any, Value]] | None:
@@ -86,17 +91,18 @@ def home_of(ev: Evaluator, had: Any, first: tuple[Objects, Value], new: tuple[Ob
     inner, after = _parts(objects, value), dict(_parts(*new) or ())
     if isinstance(had, ChoiceHome) or isinstance(value, Choice) or isinstance(new[1], Choice):
         return choice_home(ev, had, first, new, wanted, origin)
+    is_number = known_shape(new[1]) == ()
     if isinstance(had, str):
-        return had
+        return had if is_number else str(had)
     if inner is not None:
         return {k: home_of(ev, (had or {}).get(k), (objects, v), (new[0], after[k]), f"{wanted}_{k}", origin)
                 for k, v in inner}
     if alike(value, new[1]):
         return None
     own = value.name if isinstance(value, Data) else ""
-    if own and own not in ev.leaves and "." not in own and uses(objects, own) == 1:
-        return own
-    return ev.fresh(wanted)
+    plain = own and own not in ev.leaves and "." not in own and uses(objects, own) == 1
+    name = own if plain else ev.fresh(wanted)
+    return NumberName(name) if is_number and known_shape(value) == () else name
 
 
 def placed(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AST, into: dict[int, Object]
@@ -109,8 +115,10 @@ def placed(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AST
         return Choice(Data(tree.at(tree.name(home.number), origin)), tuple(map(maybe_unbound, values)),
                       (*range(len(values)),))
     if isinstance(home, str):
-        node = tree.at(tree.name(home), origin)
-        return Data(node, demands=value.demands, is_list=value.is_list) if isinstance(value, Data) else Data(node)
+        node = tree.at(tree.name(str(home)), origin)
+        known = () if isinstance(home, NumberName) else None
+        return Data(node, demands=value.demands, is_list=value.is_list, shape=known) if isinstance(value, Data) else (
+            Data(node))
     inner = _parts(objects, value) or []
     items = {k: placed(ev, objects, v, home[k], origin, into) for k, v in inner}
     if isinstance(value, TupleValue):
@@ -128,7 +136,7 @@ def moved(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AST)
     if isinstance(home, ChoiceHome):
         return _moved_choice(ev, objects, value, home, origin)
     if isinstance(home, str):
-        return [Move(home, tree.copy(value.node))] if isinstance(value, Data) else []
+        return [Move(str(home), tree.copy(value.node))] if isinstance(value, Data) else []
     return [m for k, v in _parts(objects, value) or [] for m in moved(ev, objects, v, home[k], origin)]
 
 

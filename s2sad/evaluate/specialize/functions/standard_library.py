@@ -16,12 +16,13 @@ from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, O
 from s2sad.evaluate.specialize.sequences.nested_ranges import COMBINED, rows_of
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    Data, FunctionValue, Iteration, LibraryValue, Reference, ScopeValue, TupleValue, Value,
+    Conflict, Data, FunctionValue, Iteration, LibraryValue, Reference, ScopeValue, TupleValue, Value, constant,
 )
 from s2sad.read.outside_values import LibraryScope
 from s2sad.tree import AST
 
 _SCOPES = ("FunctionDef", "Lambda", "ClassDef", "ListComp", "SetComp", "DictComp", "GeneratorExp")
+_CACHES = ("functools.cached", "functools.memoized")
 _LONGEST_ROW = 64       # values of one combination
 
 
@@ -48,15 +49,20 @@ def _cached(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) ->
     """What a function behind a cache gives, called as any other: a number of numbers, and it does nothing else."""
     inner, *given = args
     before = ev.snapshot()
-    closed = isinstance(inner, FunctionValue) and _is_closed(ev, inner, {inner.key})
-    ev.restore(before)
-    found = ev.call(inner, given, options, node, f) if closed else None
+    found = ev.call(inner, given, options, node, f) if _is_pure(ev, inner) else None
     if not all(isinstance(v, Data) and (v.is_known or v.shape == ()) for v in (found, *given, *options.values())) or (
             ev.has_changed(before)):
         raise ev.refusal(node, "a function behind a cache, which is more than one of numbers, or reads what may change",
                          help="call the function inside: give it a name, as in inner = f.__wrapped__")
     assert found is not None
     return found
+
+
+def _is_pure(ev: Evaluator, function: Value) -> bool:
+    before = ev.snapshot()
+    closed = isinstance(function, FunctionValue) and _is_closed(ev, function, {function.key})
+    ev.restore(before)
+    return closed
 
 
 def _is_closed(ev: Evaluator, function: FunctionValue, seen: set[Hashable]) -> bool:
@@ -70,7 +76,7 @@ def _is_closed(ev: Evaluator, function: FunctionValue, seen: set[Hashable]) -> b
         if not isinstance(n, tree.Name) or n.id in frame.local:
             continue
         value = ev.value(n, frame)
-        value = value.first[0] if isinstance(value, LibraryValue) and value.path == "functools.cached" else value
+        value = value.first[0] if isinstance(value, LibraryValue) and value.path in _CACHES else value
         if isinstance(value, FunctionValue) and value.key not in seen:
             seen.add(value.key)
             if not _is_closed(ev, value, seen):
@@ -88,8 +94,38 @@ def _wraps(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 
 @function("functools.lru_cache", "functools.cache")
 def _cache(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
-    functions = tuple(a for a in args if isinstance(a, FunctionValue))
-    return LibraryValue("functools.cached" if functions else "functools.cache", functions)
+    """A function with its cache, or what makes one; a function that is defined in the kernel has a dict of results."""
+    functions = [a for a in args if isinstance(a, FunctionValue)]
+    most = [*(a for a in args if isinstance(a, Data)), options.get("maxsize", constant(128))][0]
+    if not functions:
+        return LibraryValue("functools.cache", (), (("maxsize", constant(None) if ev.called == "cache" else most),))
+    if functions[0].frame is None:
+        return LibraryValue("functools.cached", (functions[0],))
+    most = options["maxsize"] if "maxsize" in options else constant(None) if ev.called == "cache" else most
+    return LibraryValue("functools.memoized", (functions[0], ev.new_dict({}, node), most))
+
+
+@function("functools.memoized")
+def _memoized(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
+    """What a function gave for these arguments, or gives."""
+    inner, results, most, *given = args
+    assert isinstance(results, Reference)
+    if _is_pure(ev, inner):
+        return _cached(ev, [inner, *given], options, node, f)
+    named = (TupleValue((constant(k), v)) for k, v in options.items())
+    key = ev.key_of(TupleValue((*given, TupleValue((*named,)))), node)
+    if key not in ev.heap[results].items:
+        found = ev.call(inner, given, options, node, f)
+        count = len(ev.heap[results].items)
+        if not (isinstance(most, Data) and (most.known is None or type(most.known) is int and count < most.known)):
+            raise ev.refusal(node, "a cache that forgets: it is asked for more results than it holds",
+                             help="write maxsize=None")
+        ev.assign_slot(results, key, found, "cached", node)
+    found = ev.heap[results].items[key]
+    if isinstance(found, Conflict):
+        raise ev.refusal(node, "a cache that holds this result on some ways only",
+                         help="call the function for it before the branch, or leave the cache out")
+    return found
 
 
 @function("s2sad.identity", "builtins.staticmethod", "typing.cast",

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from s2sad.infer.signatures.laws import whole_number
 from s2sad.infer.signatures.options import astype_dtype, widths_of
 from s2sad.normalize.library.expansions.templates import (
-    SECTIONS, CallArguments, dtype_option, empty, guard, lines, part, size, sizes, zeros,
+    SECTIONS, WINDOW, CallArguments, dtype_option, empty, guard, lines, part, size, sizes, zeros,
 )
 from s2sad.normalize.library.expansions.selections import repeat_each
 from s2sad.tree import List, Tuple, call
@@ -84,6 +84,22 @@ def _swapaxes(args: CallArguments) -> str:
 
 def _broadcast_to(args: CallArguments) -> str:
     return lines(f"result = numpy.empty(shape{dtype_option(args.type('x').dtype)})", "result[...] = x")
+
+
+def _windows(args: CallArguments) -> str:
+    """Windows along some axes: at each place of a window the part that has these elements."""
+    rank = args.rank("x")
+    widths = [args.let("width", node) for node in args.items("window_shape")]
+    axes = args.axes(rank) if args.has("axis") else tuple(range(rank))
+    whole, parts = sizes("x", rank), [":"] * rank
+    for axis, width in zip(axes, widths):
+        whole[axis] += f" - {width} + 1"
+        parts[axis] = f"place{width}:place{width} + {whole[axis]}"
+    places = [f"place{width}" for width in widths]
+    loops = [f"{'    ' * k}for {place} in range({width}):" for k, (place, width) in enumerate(zip(places, widths))]
+    return lines(*(guard(f"0 < {width} <= {size('x', axis)}", WINDOW) for axis, width in zip(axes, widths)),
+                 f"result = {empty([*whole, *widths], args.type('x').dtype)}", *loops,
+                 f"{'    ' * len(loops)}result[{', '.join([':'] * rank + places)}] = x[{', '.join(parts)}]")
 
 
 # -- repetition ------------------------------------------------------------------------------------------------------
@@ -265,6 +281,7 @@ EXPANSIONS: dict[str, Callable[[CallArguments], str]] = {
     "numpy.diff": _diff, "numpy.broadcast_to": _broadcast_to,
     "numpy.expand_dims": _expand_dims, "numpy.squeeze": _squeeze, "numpy.swapaxes": _swapaxes, "numpy.tile": _tile,
     "numpy.repeat": _repeat, "numpy.pad": _pad, "numpy.diag": _diag, "numpy.diagonal": _diagonal,
+    "numpy.lib.stride_tricks.sliding_window_view": _windows,
     "numpy.trace": _trace, "numpy.tril": lambda args: _triangle(args, ":bound", " + 1"),
     "numpy.triu": lambda args: _triangle(args, "bound:", ""), "numpy.eye": _eye, "numpy.identity": _identity,
     "numpy.linspace": _linspace, "numpy.arange": _arange, "numpy.tri": _tri,

@@ -61,6 +61,7 @@ def lines(*parts: str) -> str:
 
 WEIGHTS = "there are not as many weights as elements"
 NOT_AS_MANY = "there are not as many places, or values, along one axis as along another"
+WINDOW = "a window that is longer than its axis, or has no elements"
 SECTIONS = "np.split into sections that are not of one length: np.array_split makes such"
 
 
