@@ -254,6 +254,34 @@ def particle_by_tangents(w):
     return (x[0] + stop * v[0]) ** 2
 
 
+def twice(a, b, k):
+    return np.sum(k * a ** 2 * b)
+
+
+def products(a, b):
+    return a * b[0] + a[0] * b ** 2
+
+
+def of_one_given_twice(x, k):
+    g = s2sad.gradient(twice, "a")(x, x, k)
+    x[0] = x[1] * k
+    return np.sum(g * x) + np.sum(s2sad.vjp(twice, (x, x, k), {"return": k}, wrt=("b", "a"))["b"] ** 2)
+
+
+def along_one_given_twice(x, k):
+    along = s2sad.jvp(products, (x, x), {"a": x, "b": np.cos(x)})["return"]
+    J = s2sad.jacobian(products, wrt="b")(b=x, a=x)
+    return np.sum(along) * k + np.sum(J @ s2sad.hvp(twice, (x, x, k), {"a": x}))
+
+
+def power(a, b):
+    return a ** 2 * b
+
+
+def of_one_number_given_twice(x, k):
+    return np.sum(x) * s2sad.gradient(power, "b")(k, k) + s2sad.gradient(power, "a")(x[0], x[0])
+
+
 # -- refused ---------------------------------------------------------------------------------------------------------
 def of_what_is_no_float(x, k):
     return np.sum(s2sad.gradient(smoothed, "u")(np.zeros(4), x, k))
@@ -271,12 +299,14 @@ def of_a_library(x, k):
     return np.sum(s2sad.gradient(np.dot, "a")(x, x))
 
 
-def twice(a, b):
-    return np.sum(a * b)
+def swallowing(a, b):
+    for i in range(a.size):
+        a[i] = a[i] * b[i]
+    return np.sum(a)
 
 
-def of_one_given_twice(x, k):
-    return np.sum(s2sad.gradient(twice, "a")(x, x))
+def of_one_that_is_written_as_well(x, k):
+    return np.sum(s2sad.gradient(swallowing, "a")(x, x)) * k
 
 
 def with_options(x, k):
@@ -287,7 +317,8 @@ def cases():
     both = [
         norm_of_forces, of_a_name, of_a_position, of_a_differentiated_one, value_too, of_a_number, of_both,
         as_in_jax, by_keywords, along, mixed, weighted, tangents, of_a_written_array, of_helpers, of_what_writes,
-        of_branches, of_matrices, in_a_branch, in_a_helper, third, argument_afterwards]
+        of_branches, of_matrices, in_a_branch, in_a_helper, third, argument_afterwards,
+        of_one_given_twice, along_one_given_twice, of_one_number_given_twice]
     for kernel in both:
         yield Case(kernel, (X.copy(), 1.3), ("x", "k"))
     yield Case(leapfrog, (X.copy(), np.zeros(4), 1.3), ("x", "v", "k"), ("return", "x", "v"))
@@ -307,8 +338,8 @@ def cases():
              f"that is given by itself: {advice}"),
             (of_a_library, "S201 at `s2sad.gradient(np.dot, \"a\")(x, x)`: the derivative of a function of a "
              "library: give a function that can be read"),
-            (of_one_given_twice, f"S201 at `s2sad.gradient(twice, \"a\")(x, x)`: 'a' {here} 'twice' that it reads and "
-             f"that is given by itself: {advice}"),
+            (of_one_that_is_written_as_well, f"S201 at `s2sad.gradient(swallowing, \"a\")(x, x)`: 'a' {here} "
+             f"'swallowing' that it reads and that is given by itself: {advice}"),
             (with_options, "S201 at `s2sad.vjp(energy, (x, k), {\"return\": 1.0}, wrt=\"k\", checkpoint={\"i\": 2})`: "
              "'checkpoint' of s2sad.vjp is not supported in a kernel: leave it out: the loops of what is "
              "differentiated record")):

@@ -75,7 +75,7 @@ def _by_position(ev: Evaluator, args: Args, options: Options, node: AST, f: Fram
 def _called(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
     of, wrt, *given = args
     with_value = ev.called == "value_and_gradient"
-    inner = _inner(ev, of, given, options, node, f)
+    inner = _inner(ev, of, given, options, wrt, node, f)
     asked = _names(ev, wrt, inner, node)
     value, found = _adjoint(ev, inner, asked, (_RETURN,), None, with_value, node)
     gradient = found[0] if len(asked) == 1 else ev.new_dict(dict(zip(asked, found)), node)
@@ -85,7 +85,7 @@ def _called(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) ->
 @function("s2sad.vjp")
 def _vjp(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
     of, given, seeds, wrt = _arguments(ev, "vjp", ("f", "args", "seeds", "wrt"), args, options, node)
-    inner = _inner(ev, of, ev.items_of(given, node, f), {}, node, f)
+    inner = _inner(ev, of, ev.items_of(given, node, f), {}, wrt, node, f)
     weights = _by_name(ev, seeds, node, f)
     asked = _names(ev, wrt, inner, node, {*weights})
     _, found = _adjoint(ev, inner, asked, tuple(weights), list(weights.values()), False, node)
@@ -95,17 +95,18 @@ def _vjp(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Va
 @function("s2sad.jvp")
 def _jvp(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
     of, given, tangents, wanted = _arguments(ev, "jvp", ("f", "args", "tangents", "of"), args, options, node)
-    inner = _inner(ev, of, ev.items_of(given, node, f), {}, node, f)
-    outputs = _known_names(ev, wanted, inner, node) or (_RETURN,)
-    return ev.new_dict(dict(zip(outputs, _tangent(ev, inner, _by_name(ev, tangents, node, f), outputs, node))), node)
+    along = _by_name(ev, tangents, node, f)
+    inner = _inner(ev, of, ev.items_of(given, node, f), {}, along, node, f)
+    outputs = _known_names(ev, wanted, inner.of, node) or (_RETURN,)
+    return ev.new_dict(dict(zip(outputs, _tangent(ev, inner, along, outputs, node))), node)
 
 
 @function("s2sad.hvp")
 def _hvp(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
     of, given, directions, wrt = _arguments(ev, "hvp", ("f", "args", "directions", "wrt"), args, options, node)
-    inner = _inner(ev, of, ev.items_of(given, node, f), {}, node, f)
     along = _by_name(ev, directions, node, f)
-    asked = _known_names(ev, wrt, inner, node) or tuple(along)
+    inner = _inner(ev, of, ev.items_of(given, node, f), {}, along if _is_none(wrt) else wrt, node, f)
+    asked = _known_names(ev, wrt, inner.of, node) or tuple(along)
     if len(asked) != 1:
         raise ev.refusal(node, "hvp with respect to several arguments is not supported in a kernel",
                          help='call it for each: wrt="x"')
@@ -122,8 +123,8 @@ def _jacobian(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) 
 @function("s2sad.called.jacobian")
 def _called_jacobian(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
     of, wrt, wanted, mode, *given = args
-    inner = _inner(ev, of, given, options, node, f)
-    outputs = _known_names(ev, wanted, inner, node) or (_RETURN,)
+    inner = _inner(ev, of, given, options, wrt, node, f)
+    outputs = _known_names(ev, wanted, inner.of, node) or (_RETURN,)
     asked = _names(ev, wrt, inner, node, {*outputs})
     if len(asked) != 1 or len(outputs) != 1:
         raise ev.refusal(node, "a Jacobian of several outputs, or with respect to several arguments, is not supported",
@@ -157,12 +158,14 @@ def _arguments(ev: Evaluator, title: str, names: Sequence[str], args: Args, opti
 
 
 # -- the function that is differentiated -----------------------------------------------------------------------------
-def _inner(ev: Evaluator, of: Value, args: Sequence[Value], keywords: Mapping[str, Value], node: AST, f: Frame
-           ) -> _Inner:
+def _inner(ev: Evaluator, of: Value, args: Sequence[Value], keywords: Mapping[str, Value],
+           wrt: Value | Mapping[str, Value], node: AST, f: Frame) -> _Inner:
     if not isinstance(of, FunctionValue) or of.captured is None:
         raise ev.refusal(node, f"the derivative of {ev.kind_of(of)}", help="give a function that can be read")
     of = _defined(ev, of)
     args, keywords = [*of.first, *args], {**dict(of.keywords), **keywords}
+    asked = tuple(wrt) if isinstance(wrt, Mapping) else _known_names(ev, wrt, of, node)
+    args, keywords, apart = _apart(ev, of, args, keywords, asked, node)
     found = separate_function(ev, of, args, keywords, node, f)
     if found is None:
         raise ev.refusal(node, f"the derivative of '{of.captured.name}' in a kernel: it must be a function of arrays "
@@ -173,6 +176,7 @@ def _inner(ev: Evaluator, of: Value, args: Sequence[Value], keywords: Mapping[st
     for name, value in view.bound.items():
         alone = sum(isinstance(v, Data) and v.name == getattr(value, "name", None) for v in view.bound.values()) == 1
         place = next((k for k, leaf in enumerate(leaves) if isinstance(value, Data) and leaf.name == value.name), None)
+        alone = alone and not (name in apart and made.acts)     # what it writes would be the other one, too
         if alone and place is not None and not leaves[place].is_held:
             places[name] = place
     parameters = [a.id for a in of.captured.tree.args.args]
@@ -180,6 +184,24 @@ def _inner(ev: Evaluator, of: Value, args: Sequence[Value], keywords: Mapping[st
     returns = made.whole.kind == "leaf" and len(made.results) == 1
     return _Inner(view.function, made.name, tuple(leaf.name for leaf in leaves), tuple(leaf.outer for leaf in leaves),
                   places, bound, returns)
+
+
+def _apart(ev: Evaluator, of: FunctionValue, args: Sequence[Value], keywords: Mapping[str, Value],
+           asked: Sequence[str], node: AST) -> tuple[Sequence[Value], Mapping[str, Value], set[str]]:
+    """The arguments, with what a derivative is with respect to under a name of its own where another argument is the
+    same; the parameters for which this is so."""
+    parameters = [a.id for a in of.captured.tree.args.args]
+    bound = {**dict(zip(parameters, args)), **keywords}
+    given = [v.name for v in bound.values() if isinstance(v, Data)]
+    several: dict[str, Value] = {
+        n: v for n, v in bound.items() if n in asked and isinstance(v, Data) and v.name and not v.is_list
+        and not v.is_known and v.count is None and given.count(v.name) > 1}
+    for parameter, value in several.items():
+        assert isinstance(value, Data)
+        same = tree.at(tree.UnaryOp(tree.UAdd(), tree.name(value.name)), node)      # of an array a new one
+        bound[parameter] = ev.named(replace(value, node=same), parameter, node)
+    return ([bound[n] for n in parameters[:len(args)]] if several else args,
+            {n: bound[n] for n in keywords}, {*several})
 
 
 def _defined(ev: Evaluator, of: FunctionValue) -> FunctionValue:
@@ -208,14 +230,14 @@ def _by_name(ev: Evaluator, value: Value, node: AST, f: Frame) -> dict[str, Valu
     return {str(k): v for k, v in ev.dict_items(value, node, f).items()}
 
 
-def _known_names(ev: Evaluator, value: Value, inner: _Inner, node: AST) -> tuple[str, ...]:
+def _known_names(ev: Evaluator, value: Value, of: FunctionValue, node: AST) -> tuple[str, ...]:
     """The names that are asked for; a position counts parameters."""
     if _is_none(value):
         return ()
     items = value.items if isinstance(value, TupleValue) else list(ev.heap[value].items.values()) if isinstance(
         value, Reference) else [value]
     known = [v.known if isinstance(v, Data) else None for v in items]
-    parameters = [a.id for a in inner.of.captured.tree.args.args]
+    parameters = [a.id for a in of.captured.tree.args.args]
     named = [parameters[k] if type(k) is int and k < len(parameters) else k for k in known]
     if not all(isinstance(n, str) for n in named):
         raise ev.refusal(node, "what a derivative is with respect to must be known before the run",
@@ -225,7 +247,7 @@ def _known_names(ev: Evaluator, value: Value, inner: _Inner, node: AST) -> tuple
 
 def _names(ev: Evaluator, wrt: Value, inner: _Inner, node: AST, others: set[str] = set()) -> tuple[str, ...]:  # noqa: B006
     """What a derivative is with respect to: it is said, or there is only one."""
-    found = _known_names(ev, wrt, inner, node) or tuple(
+    found = _known_names(ev, wrt, inner.of, node) or tuple(
         p for p in inner.places if p not in others and p not in inner.bound)
     if _is_none(wrt) and len(found) != 1:
         raise ev.refusal(node, f"'{inner.of.captured.name}' takes several arguments",
