@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from hypothesis.extra.numpy import arrays
 
+from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.jacobians.coloring import colored, count_of, loops, star_colored
 from s2sad.jacobians.compression_plan import Plan, symmetrized
 from s2sad.jacobians.linear_maps import dense
@@ -103,6 +104,52 @@ def test_loops_are_what_arrays_are(pattern, data):
                 lambda f: f.parted(starts, columns, lanes, parts, told)):
         for ours, theirs in zip(ask(plain), ask(compiled)):
             np.testing.assert_array_equal(ours, theirs)
+
+
+class Counted(Matrix):
+    """One that counts its products with rows and with columns; without adjoints those with rows are refused."""
+
+    def __init__(self, pattern, width, engine, adjoints=True):
+        super().__init__(pattern, width, engine)
+        self.adjoints, self.asked = adjoints, {False: 0, True: 0}
+
+    def width(self, count, transposed=False, measured=None):
+        if transposed and not self.adjoints:
+            raise S2sadError(Diagnostic("S301", "no adjoint"))
+        return super().width(count, transposed, measured)
+
+    def products(self, directions, width, transposed=False):
+        for found in super().products(directions, width, transposed):
+            self.asked[transposed] += width
+            yield found
+
+
+def dense_rows(rows, columns, dense, seed):
+    made = np.eye(rows, columns, dtype=bool)
+    made[np.random.default_rng(seed).permutation(rows)[:dense]] = True
+    return made
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@pytest.mark.parametrize("pattern", [
+    dense_rows(50, 200, 1, 0), dense_rows(50, 200, 3, 1), np.ones((2, 200), bool), dense_rows(1, 200, 1, 2),
+    dense_rows(50, 200, 2, 3) | (np.arange(200) == 7)])
+def test_rows_of_many_columns_are_asked_for_by_themselves(pattern, engine):
+    asked = []
+    for adjoints in (True, False):
+        of = Counted(pattern, 4, engine, adjoints)
+        starts, columns = pattern_of(of)
+        np.testing.assert_array_equal(np.repeat(np.arange(len(pattern)), np.diff(starts)), np.nonzero(pattern)[0])
+        np.testing.assert_array_equal(columns, np.nonzero(pattern)[1])
+        assert (of.asked[True] > 0) == adjoints
+        asked.append(sum(of.asked.values()))
+    assert 3 * asked[0] < asked[1]
+
+
+def test_a_band_is_found_by_columns_alone():
+    of = Counted(np.tri(60, k=2, dtype=bool) & ~np.tri(60, k=-3, dtype=bool), 4, "numpy")
+    pattern_of(of)
+    assert of.asked[True] == 0
 
 
 # -- columns and rows at once -----------------------------------------------------------------------------------------

@@ -86,7 +86,7 @@ def test_one_row_is_made_by_an_adjoint():
 
 @pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
 def test_what_everything_meets_goes_by_rows_and_columns(engine, tmp_path):
-    args = np.zeros(20), np.linspace(0.3, 1.7, 20)
+    args = np.zeros(80), np.linspace(0.3, 1.7, 80)
     with running(engine) as run_under:
         f = s2sad.differentiate(kernels.arrow, engine=run_under)
         wanted = s2sad.jacobian(f, "u", "du", mode="forward")(*args)
@@ -94,7 +94,7 @@ def test_what_everything_meets_goes_by_rows_and_columns(engine, tmp_path):
             J = s2sad.jacobian(f, "u", "du", sparse=True, mode=mode)
             np.testing.assert_allclose(J(*args).toarray(), wanted, rtol=1e-14, atol=1e-15)
         plan = J.plan(*args)
-        assert repr(plan) == "<plan of a 20 x 20 matrix: 58 entries, 2 forward and 1 reverse products>"
+        assert repr(plan) == "<plan of a 80 x 80 matrix: 238 entries, 2 forward and 1 reverse products>"
         plan.save(tmp_path / "plan.npz")
         plan.picture(tmp_path / "plan.svg")
         again = s2sad.jacobian(f, "u", "du", sparse=s2sad.Plan.load(tmp_path / "plan.npz"))
