@@ -26,15 +26,14 @@ def jacobian(f: Callable[..., Any], wrt: Wrt = None, of: Wrt = None, *, mode: Mo
     Args: f, a function, a differentiated function or a Numba dispatcher; wrt, a name or position of a parameter
     (default: the only float); of, the name of a written array or "return" (default: the only output); mode, by
     columns ("forward"), by rows ("reverse"), of a sparse one by "both", what is dense the one way and the rest the
-    other, or what is cheapest ("auto": an adjoint counts as two tangents); sparse, True, a pattern (a SciPy
-    matrix or an array that is not zero where the Jacobian may be) or a `Plan`; format, "csr", "csc" or "coo"; check,
-    whether each sparse matrix is compared with the derivative for one more direction; batch, how many directions one
-    call of the derivative takes, or "auto": 8, 12 or 16 by how many there are, and what is fastest of these and fewer
-    once calls have taken as long as compiling; threads, how many share the directions, to the same result. A dense
-    Jacobian has the shape of the
-    output and then that of the argument; a sparse one has two axes, the elements of both in C order. Arguments are
-    never changed; of structures wrt and of name a part, "state.u". Its `plan(*args)` is the pattern with its colours
-    and the fastest widths.
+    other, or what is cheapest ("auto": an adjoint counts as two tangents); sparse, True, a pattern (a SciPy matrix or
+    an array that is not zero where the Jacobian may be) or a `Plan`; format, "csr", "csc" or "coo"; check, whether each
+    sparse matrix is compared with the derivative for one more direction; batch, how many directions one call of the
+    derivative takes, or "auto": 8, 12 or 16 by how many there are, and what is fastest of that and fewer once calls
+    have taken as long as compiling; threads, how many share the directions, to the same result. A dense Jacobian has
+    the shape of the output and then that of the argument; a sparse one has two axes, the elements of both in C order.
+    Arguments are never changed; of structures wrt and of name a part, "state.u". Its `plan(*args)` is the pattern with
+    its colours and the fastest widths.
     Raises S2sadError: S401 (wrt or of names nothing that has one, or several), S403 (a pattern that is too small), S405
     (a plan for other shapes, no SciPy, a mode, a batch or threads that are none); and what f raises. Literature:
     Gebremedhin, Manne and Pothen, What color is your Jacobian?, SIAM Review 47, 2005.
