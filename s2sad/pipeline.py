@@ -12,7 +12,8 @@ Each room opens with its passes in the order in which they run.
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Set
 from types import MappingProxyType
 from typing import Any
 
@@ -33,7 +34,7 @@ from s2sad.emit.recorded_arrays import recorded_arrays, snapshot_loop
 from s2sad.emit.primal import kernels_called, primal_functions
 from s2sad.infer.types import Type, of_value
 from s2sad.normalize.calls.global_arrays import global_arrays, hidden_name
-from s2sad.diagnostics import Diagnostic, S2sadError, WaitingForFacts
+from s2sad.diagnostics import Diagnostic, S2sadError, Source, WaitingForFacts
 from s2sad.evaluate.specialize import specialize
 from s2sad.live_objects.guards import recording
 from s2sad.read import load as read_function, of_captured
@@ -44,6 +45,7 @@ from s2sad.program import (
 )
 from s2sad.run.user_functions_in_numba import compilable, registered_rules
 from s2sad.naming import Names
+from s2sad.optimize.inlining import inlined_functions
 from s2sad.passes import Watch, unwatched
 from s2sad.simplify import Effects
 from s2sad.tree import FunctionDef, Name, user_call, walk
@@ -124,9 +126,11 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         """The function of a derivative, or the two of its sweeps."""
         plain = request.level != "fast" or d.function.name not in distinct
         if d.forward is None:
-            return (d.function if plain else fast(d, units, not request.width),)
-        return (d.forward, d.function) if plain else fast_sweeps(d, units)
+            return (d.function if plain else fast(d, units, inlined, not request.width),)
+        return (d.forward, d.function) if plain else fast_sweeps(d, units, inlined)
     functions = primal_functions(units, kernels_called(made, units))
+    inlined = inlined_functions([*functions, *(d.function for d in units.derived.values() if d.forward is None)],
+                                types_of(units))
     if request.level == "fast" and request.engine == "numba":       # steps that run again are most of what runs
         functions = [fast_primal(f, units, True) if units.titled[f.name].outlined else f for f in functions]
     sources = [units.titled[f.name].kernel.source for f in functions]
@@ -143,6 +147,8 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         functions += [documented(with_origins(kept.taped, unit.kernel.source), derived, "in given memory"),
                       kept.public]
         found |= {"taped": kept.taped.name, "stacks": kept.stacks, "arena": kept.arena}
+    if request.level == "fast":
+        functions, sources = called_still(functions, sources, inlined.keys() - {f.name for f in derived.functions})
     functions = in_dialect(functions, units)
     if request.width:
         functions = with_directions(functions, derived, request, units)
@@ -171,6 +177,19 @@ def distinct_functions(functions: list[FunctionDef], printed: ModuleText, units:
     """The functions of a printed module that are never given memory twice; for many directions numbers are arrays."""
     found = distinct_arguments(functions, {} if width else types_of(units))
     return tuple(p.name for f, p in zip(functions, printed.functions) if f.name in found)
+
+
+def called_still(functions: list[FunctionDef], sources: list[Source], inlined: Set[str]
+                 ) -> tuple[list[FunctionDef], list[Source]]:
+    """The functions without those of which every call has been inlined; sources are those of the first ones."""
+    while True:
+        used = Counter(n.id.rpartition(".")[2] for f in functions for n in {
+            n.id: n for n in walk(f.body) if isinstance(n, Name)}.values())
+        gone = {f.name for f in functions if f.name in inlined and not used[f.name]}
+        if not gone:
+            return functions, sources
+        sources = [s for f, s in zip(functions, sources) if f.name not in gone]
+        functions = [f for f in functions if f.name not in gone]
 
 
 def with_directions(functions: list[FunctionDef], derived: UnitDerivative, request: Request, units: Units

@@ -47,8 +47,10 @@ def iteration_state(loop: For, problem: RecordingProblem) -> IterationState | No
 
 
 def is_expensive(loop: For, structure: ProgramStructure) -> bool:
-    """Whether a loop has products and solves in it, which take longer than recording their results."""
+    """Whether a loop has products, solves and calls in it: products take longer than recording their results, and the
+    adjoint of a call runs the function a second time already."""
     return any(rules.find_array(call_name(n)) is not None and not is_allocation(p.statement)
+               or user_call(n) is not None and not structure.is_simple(p.statement)
                for p in structure.inner[id(loop)] for head in heads(p.statement) for n in walk(head))
 
 

@@ -10,6 +10,7 @@ from s2sad.normalize import in_arrays, in_loops
 from s2sad.optimize.blocked_products import blocked_products
 from s2sad.optimize.extremum_scatter import extremum_scatter
 from s2sad.optimize.index_set_splitting import index_set_splitting
+from s2sad.optimize.inlining import inlining
 from s2sad.optimize.invariant_code_motion import invariant_code_motion
 from s2sad.optimize.known_positions import known_positions
 from s2sad.optimize.loop_fusion import loop_fusion
@@ -40,6 +41,7 @@ KERNELS: Passes = (
     Pass(primal_contraction, when=in_loops, form="views"),
 )
 PASSES: Passes = (
+    Pass(inlining, when=in_adjoint_loops),
     Pass(known_positions, when=in_adjoint_loops),
     Pass(blocked_products, when=in_adjoint),
     Pass(invariant_code_motion, when=in_adjoint_loops),

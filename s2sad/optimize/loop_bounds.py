@@ -100,6 +100,12 @@ def counter_offset(node: AST, counter: str) -> int | None:
     return form.constant if form is not None and form.terms == ((counter, 1),) else None
 
 
+def is_along(node: AST, counter: str, moving: Set[str]) -> bool:
+    """Whether a subscript goes up by one with a counter; `moving` are the names that change with it."""
+    form = affine(node)
+    return form is not None and dict(form.terms).get(counter) == 1 and not (set(names(node)) - {counter}) & moving
+
+
 def least_counter(loop: For) -> int | None:
     """The least number that a loop may count, None if it is not known.
 

@@ -45,7 +45,7 @@ from s2sad.tree import (
 
 CHANGES_ROUNDING = False
 
-_MOST_STATEMENTS, _MOST_PAIRS, _MOST_CROSSED = 48, 60, 8
+_MOST_STATEMENTS, _MOST_PAIRS, _MOST_CROSSED = 96, 60, 8
 
 
 def loop_fusion(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
@@ -59,15 +59,19 @@ def fused(function: FunctionDef, sums: Set[str], types: Mapping[str, Type], free
     """The function with its nests joined; `sums` are numbers whose gains come in any order, `writing`
     the functions that write arrays."""
     extents = IterationSpaces(function, writing)
-    fusion = LoopFusion(extents, sums, Contractible(function, extents, types, free, finished=True))
+    fusion = LoopFusion(extents, sums, Contractible(function, extents, types, free, finished=True),
+                        given={p.id for p in function.args.args})
     return with_body(function, fusion.block(function.body))
 
 
 class LoopFusion:
-    """The pass over one function; `only_producers` fuses only a producer of an array with its one consumer."""
+    """The pass over one function; `only_producers` fuses only a producer of an array with its one consumer. The arrays
+    `given` to the function share no memory with any other."""
 
-    def __init__(self, extents: IterationSpaces, sums: Set[str], between: Contractible, only_producers: bool = False):
+    def __init__(self, extents: IterationSpaces, sums: Set[str], between: Contractible, only_producers: bool = False,
+                 given: Set[str] = frozenset()):
         self.extents, self.sums, self.between, self.only_producers = extents, sums, between, only_producers
+        self.given = given
         self.asserted: dict[tuple[str, ...],
                             list[Assert]] = {}   # what every iteration has asserted, by the loops around
         self.enclosing: tuple[str, ...] | None = ()                # their bounds; None inside of a branch
@@ -130,7 +134,7 @@ class LoopFusion:
         else:
             given, body = first.body, _with_counters_of(first, second)
         if given is None or body is None or not self.is_legal(first, body) or _alias_pairs(
-                [*first.body, *body]) > _MOST_PAIRS:
+                [*first.body, *body], self.given) > _MOST_PAIRS:
             return None
         if self.only_producers and not self.between.is_produced_for(first.body, body):
             return None
@@ -215,10 +219,11 @@ def is_accumulator(identifier: str, body: list[AST]) -> bool:
     return increments == sum(isinstance(n, Name) and n.id == identifier for n in walk(body))
 
 
-def _alias_pairs(body: list[AST]) -> int:
-    """How many pairs of arrays the compiler's run-time alias test compares before the vectorized loop."""
-    written = {base_name(t) for t in stored_elements(body)}
-    others = _subscripted_arrays(body) - written
+def _alias_pairs(body: list[AST], given: Set[str]) -> int:
+    """How many pairs of arrays the compiler's run-time alias test compares before the vectorized loop: of those that
+    the function makes itself."""
+    written = {base_name(t) for t in stored_elements(body)} - given
+    others = _subscripted_arrays(body) - written - given
     return len(written) * (len(written) - 1) // 2 + len(written) * len(others)
 
 

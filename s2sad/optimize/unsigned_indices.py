@@ -17,7 +17,8 @@ Compiled, a subscript that is not a counter is asked whether it counts from the 
 be a row in memory is gathered. An unsigned subscript is not asked.
 
 *Requires* a finished adjoint for Numba. *Establishes* the same values. The last subscript is unsigned where its affine
-form is not negative at the ends of the loops around it, for sizes, positions, lengths and tops of stacks that are not.
+form is not negative at the ends of the loops around it, for sizes, names of these, positions, lengths and tops of
+stacks that are not.
 """
 from __future__ import annotations
 
@@ -30,8 +31,8 @@ from s2sad.optimize.loop_bounds import CountedLoop, affine, counted_loop, is_loo
 from s2sad.rules.rule import number
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, AugAssign, BinOp, Constant, For, FunctionDef, Mult, Sub, Subscript, Tuple, at, call,
-    call_name, dump, indices, names, rebuild, walk_statements, with_body,
+    AST, Add, Assign, Attribute, AugAssign, BinOp, Constant, For, FunctionDef, Mult, Name, Sub, Subscript, Tuple, at,
+    call, call_name, dump, indices, names, rebuild, times_bound, walk_statements, with_body,
 )
 
 CHANGES_ROUNDING = False
@@ -41,7 +42,7 @@ _NATURAL = ("runtime.position", "builtins.len")
 
 def unsigned_indices(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
     """The function with such subscripts in its innermost loops."""
-    tops = {t for t in context.tops if _counts(t, function)}
+    tops = {t for t in context.tops if _counts(t, function)} | _sizes(function)
 
     def change(statement: AST, around: tuple[CountedLoop, ...]) -> AST:
         loop = counted_loop(statement)
@@ -58,6 +59,16 @@ def _counts(top: str, function: FunctionDef) -> bool:
     found = [s for s in walk_statements(function.body) if any(base_name(t) == top for t in targets(s))]
     return all(isinstance(s, AugAssign) and isinstance(s.op, (Add, Sub)) or isinstance(s, Assign) and isinstance(
         s.value, Constant) and s.value.value == 0 for s in found)
+
+
+def _sizes(function: FunctionDef) -> set[str]:
+    """The names of a function that are bound once, before its loops, to what is not negative: sizes and their like."""
+    times, found = times_bound(function), set[str]()
+    for statement in function.body:
+        target = statement.targets[0] if isinstance(statement, Assign) else None
+        if isinstance(target, Name) and times[target.id] == 1 and _Naturals((), found).natural(statement.value):
+            found.add(target.id)
+    return found
 
 
 class _Naturals:

@@ -30,7 +30,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from s2sad.infer.types import Type
-from s2sad.optimize.loop_bounds import bound_names, counted_loop, is_loop_free, counter_offset, stored_elements
+from s2sad.optimize.loop_bounds import bound_names, counted_loop, is_along, is_loop_free, stored_elements
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
     AST, Assign, AugAssign, BinOp, Call, Constant, Div, For, FunctionDef, If, Name, Pow, Subscript, While, at, call,
@@ -118,7 +118,7 @@ def _is_vectorizable(loop: AST) -> bool:
            for n in walk(loop.body) if isinstance(n, Call)) or any(map(_is_power, walk(loop.body))):
         return False
     moving = {bounds.counter} | bound_names(loop.body)
-    along = all(counter_offset(indices(s)[-1], bounds.counter) is not None and not moving & set(names(indices(s)[:-1]))
+    along = all(is_along(indices(s)[-1], bounds.counter, moving) and not moving & set(names(indices(s)[:-1]))
                 for s in stored_elements(loop.body))
     return along and not _has_carried_name(loop)
 

@@ -16,7 +16,7 @@ from s2sad.simplify.combine_increments import combine_increments
 from s2sad.simplify.common_subexpressions import common_subexpressions
 from s2sad.simplify.complex_division import complex_division
 from s2sad.simplify.conditional_numbers import conditional_numbers
-from s2sad.simplify.context import DerivativeContext
+from s2sad.simplify.context import DerivativeContext, InlinedFunction
 from s2sad.simplify.copy_coalescing import copy_coalescing, share_temporaries, split_temporaries
 from s2sad.simplify.copy_elision import copy_elision
 from s2sad.simplify.dead_code import dead_code
@@ -68,4 +68,4 @@ PASSES: Passes = (
     Pass(wide_numbers, when=in_single_arrays),
 )
 
-__all__ = ["LOWERED", "PASSES", "DerivativeContext", "Effect", "Effects"]
+__all__ = ["LOWERED", "PASSES", "DerivativeContext", "Effect", "Effects", "InlinedFunction"]

@@ -10,6 +10,13 @@ from s2sad.simplify.call_effects import Effects
 from s2sad.tree import FunctionDef
 
 
+@dataclass(frozen=True)
+class InlinedFunction:
+    """A finished function of numbers, with the types of its names."""
+    function: FunctionDef
+    types: Mapping[str, Type]
+
+
 @dataclass(kw_only=True)
 class DerivativeContext(Context):
     """One derivative; `types` are those of its names."""
@@ -32,6 +39,7 @@ class DerivativeContext(Context):
     writing: Set[str] = frozenset()     # the functions called that write arrays
     system_math: Set[str] = frozenset()     # the functions that stay the system's,
     called_math: Mapping[str, bool] = field(default_factory=dict)   # and whether those that are called became ours
+    inlined: Mapping[str, InlinedFunction] = field(default_factory=dict)    # the functions that calls are replaced by
 
     @staticmethod
     def parameters(function: FunctionDef) -> set[str]:

@@ -1,24 +1,26 @@
 """fast_functions: derivatives and kernels at the level "fast": after the passes of `optimize`."""
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Mapping, Set
 
 from s2sad import optimize
 from s2sad.naming import Names
 from s2sad.passes import run
-from s2sad.simplify import DerivativeContext, remove_marks
+from s2sad.simplify import DerivativeContext, InlinedFunction, remove_marks
 from s2sad.tree import Call, FunctionDef, call_name, copy, names, walk, with_body
 from s2sad.units.unit_derivatives import UnitDerivative, Units
 
 
-def fast(derived: UnitDerivative, units: Units, in_rows: bool = True) -> FunctionDef:
+def fast(derived: UnitDerivative, units: Units, inlined: Mapping[str, InlinedFunction], in_rows: bool = True
+         ) -> FunctionDef:
     """A derivative after the passes of `optimize`; its loops need no rows that run in vectors where directions do."""
-    context = _context(derived, derived.function, units, frozenset())
+    context = _context(derived, derived.function, units, frozenset(), inlined)
     context.adjoint = context.adjoint and in_rows
     return run(optimize.PASSES, derived.function, context)
 
 
-def fast_sweeps(derived: UnitDerivative, units: Units) -> tuple[FunctionDef, FunctionDef]:
+def fast_sweeps(derived: UnitDerivative, units: Units, inlined: Mapping[str, InlinedFunction]
+                ) -> tuple[FunctionDef, FunctionDef]:
     """The two functions of a derivative after these passes. A function of numbers is the system's in both or in none:
     what the second computes again has the digits that it had."""
     assert derived.forward is not None
@@ -27,7 +29,7 @@ def fast_sweeps(derived: UnitDerivative, units: Units) -> tuple[FunctionDef, Fun
     while True:
         made, contexts = [], []
         for function in (derived.forward, known):
-            contexts.append(_context(derived, function, units, system))
+            contexts.append(_context(derived, function, units, system, inlined))
             made.append(remove_marks(run(optimize.PASSES, function, contexts[-1]), contexts[-1]))
         first, second = (c.called_math for c in contexts)
         apart = {f for f in first.keys() & second.keys() if first[f] != second[f]}
@@ -36,7 +38,8 @@ def fast_sweeps(derived: UnitDerivative, units: Units) -> tuple[FunctionDef, Fun
         system |= apart
 
 
-def _context(derived: UnitDerivative, function: FunctionDef, units: Units, system: Set[str]) -> DerivativeContext:
+def _context(derived: UnitDerivative, function: FunctionDef, units: Units, system: Set[str],
+             inlined: Mapping[str, InlinedFunction]) -> DerivativeContext:
     """What the passes share for a function of a derivative; the functions `system` stay the system's."""
     tape, made = derived.made.tape, derived.made
     family = derived.unit.family
@@ -55,7 +58,8 @@ def _context(derived: UnitDerivative, function: FunctionDef, units: Units, syste
         tops=set() if tape is None else {s.top for s in tape.stacks.values() if s.top},
         gaining={s for s in made.shadows.values() if derived.types[s].is_array} | made.sums,
         numbers=own, seeds={n for n, role, _ in made.parameters if role == "seed"},
-        shadows={s: p for p, s in made.shadows.items()}, writing=_writing(function, units), system_math=system)
+        shadows={s: p for p, s in made.shadows.items()}, writing=_writing(function, units), system_math=system,
+        inlined=inlined)
 
 
 def fast_primal(function: FunctionDef, units: Units, adjoint: bool = False) -> FunctionDef:

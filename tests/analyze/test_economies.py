@@ -6,6 +6,7 @@ import pytest
 
 import s2sad
 from benchmarks.kernels.cases import ARRAYS, Case
+from benchmarks.peers.problems import Problem
 from tests.corpus.calls import kept_tapes
 from tests.harness.engines import running
 
@@ -14,10 +15,10 @@ ECONOMIES = ("least", "balanced", "fastest")
 LOOPED = ("glacier", "neural_diffusion", "implicit_heat")      # those whose loops for Numba differ
 
 
-def _tapes(case: Case, engine: str) -> list[int]:
-    """The bytes of the tape for each economy, at a large size."""
+def _tapes(case: Case, engine: str, size: str | int = "large") -> list[int]:
+    """The bytes of the tape for each economy, at a size."""
     return [s2sad.differentiate(case.function, wrt=case.wrt, of=case.of, engine=engine, memory=m).adjoint.memory(
-        *case.arguments("large")).tape for m in ECONOMIES]
+        *case.arguments(size)).tape for m in ECONOMIES]
 
 
 @ENGINES
@@ -35,6 +36,13 @@ def test_a_loop_runs_again_or_records(name, engine, ratios):
     [case] = [c for c in ARRAYS if c.name == name]
     least, balanced, fastest = _tapes(case, engine)
     np.testing.assert_allclose((least / balanced, fastest / balanced), ratios, rtol=0.1)
+
+
+@ENGINES
+def test_a_loop_with_calls_records(engine):
+    """Their adjoints run the functions again already."""
+    least, balanced, fastest = _tapes(Problem.of("lstm", 64).case, engine, 64)
+    assert least < 0.7 * balanced and balanced == fastest
 
 
 @pytest.mark.parametrize(("case", "engine"), [
