@@ -53,6 +53,16 @@ def linspace(start, stop, num=50, endpoint=True):
     return first + np.multiply.outer(np.linspace(0.0, 1.0, num, endpoint=endpoint), np.asarray(stop) - first)
 
 
+def vectorized(function, numbers, *args):
+    arrays = [a for a, one in zip(args, numbers) if not one]
+    whole = np.zeros(np.shape(arrays[0]))
+    for a in arrays[1:]:
+        whole = whole + np.zeros(np.shape(a))
+    rows = [a if one else np.ravel(np.broadcast_to(a, np.shape(whole))) for a, one in zip(args, numbers)]
+    found = [float(function(*[a if one else a[k] for a, one in zip(rows, numbers)])) for k in range(whole.size)]
+    return np.reshape(np.array(found), np.shape(whole))
+
+
 def rollaxis(a, axis, start=0):
     source = axis + a.ndim if axis < 0 else axis
     place = start + a.ndim if start < 0 else start
@@ -225,8 +235,8 @@ def _by_path(room: str, *found: Any) -> Iterable[tuple[str, Any]]:
 
 
 WRITTEN: dict[str, Callable[..., Any]] = dict((
-    *_by_path("numpy", piecewise, fromfunction, apply_along_axis, rollaxis, broadcast_arrays, unwrap, polyadd, polysub,
-              poly1d),
+    *_by_path("numpy", piecewise, fromfunction, apply_along_axis, vectorized, rollaxis, broadcast_arrays, unwrap,
+              polyadd, polysub, poly1d),
     *_by_path("numpy.polynomial", Polynomial),
     *_by_path("numpy.polynomial.polynomial", Polynomial), *_by_path("numpy.polynomial.chebyshev", chebval),
     *_by_path("numpy.polynomial.legendre", legval), *_by_path("numpy.polynomial.hermite", hermval),

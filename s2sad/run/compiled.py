@@ -22,6 +22,7 @@ from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
 
+from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Diagnostic, S2sadError, warn_once
 from s2sad.extras import absent
 from s2sad.run.progress import Working
@@ -124,7 +125,8 @@ def quiet(text: str) -> str:
 
 
 def prepare(dispatcher: Any, args: Sequence[Any], what: str) -> None:
-    """Compiles a function for the types of `args`, or takes its machine code from the store; runs nothing."""
+    """Compiles a function for the types of `args`, or takes its machine code from the store; runs nothing. Numba
+    follows a function's blocks by recursion."""
     if not hasattr(dispatcher, "typeof_pyval"):
         return
     numba_errors = importlib.import_module("numba.core.errors")
@@ -132,7 +134,7 @@ def prepare(dispatcher: Any, args: Sequence[Any], what: str) -> None:
     try:
         with _reported(dispatcher, what), interruptible(), _vectors_of_neighbours(
                 dispatcher.py_func.__globals__.get(_UNROLLED, False)):
-            dispatcher.compile(signature)
+            deep_stack(dispatcher.compile)(signature)
     except numba_errors.NumbaError as error:
         reason = str(error).strip()
         raise S2sadError(Diagnostic("S901", f"internal error: Numba cannot compile {what}", note=reason,

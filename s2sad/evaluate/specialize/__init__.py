@@ -20,7 +20,8 @@ from s2sad.evaluate.specialize.control import (
 )
 from s2sad.evaluate.specialize.entry import Residual, specialize, unread
 from s2sad.evaluate.specialize.functions import (
-    builtin_functions, library_calls, object_functions, ordering, standard_library, written_functions,
+    builtin_functions, library_calls, object_functions, ordering, standard_library, vectorized_functions,
+    written_functions,
 )
 from s2sad.evaluate.specialize.separate import derivative_calls, separate_call
 from s2sad.evaluate.specialize.sparse import matrix_construction, matrix_operations, matrix_values
@@ -37,5 +38,5 @@ __all__ = [
     "iterator_use", "library_calls", "live_values", "loop_statements", "matrix_construction", "matrix_operations",
     "matrix_values", "meanings", "nested_ranges", "numeric_operators", "object_functions", "ordering",
     "residual_loops", "separate_call", "shape_changes", "shared_rows", "specialize", "spelling", "standard_library",
-    "subscripts", "unread", "written_functions", "written_out_loops",
+    "subscripts", "unread", "vectorized_functions", "written_functions", "written_out_loops",
 ]

@@ -71,6 +71,8 @@ def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> 
         return _partial(ev, value, name, node, f)
     if isinstance(value, functools._lru_cache_wrapper):
         return LibraryValue("functools.cached", (ev.live_function(taken(value, "attribute", "__wrapped__"), node, f),))
+    if type(value) is numpy.vectorize:
+        return ev.live_vectorized(value, name, node, f)
     standard = _standard(value)
     if standard:
         return LibraryValue(standard)

@@ -1,6 +1,8 @@
 """Functions of NumPy's that are read as Python: of functions, of polynomials, reductions of what a mask picks."""
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from tests.corpus import Case
@@ -95,6 +97,31 @@ def windows_that_do_not_fit(x, a, n):
     return np.sum(np.lib.stride_tricks.sliding_window_view(x, n + 9))
 
 
+@np.vectorize
+def opacity(v):
+    if v < 0.5:
+        return 0.2 + v ** 2
+    return 0.45 + 0.1 * np.log(2 * v)
+
+
+power = np.vectorize(lambda v, n: v ** n if v > 0.5 else 0, otypes=[float])
+truncated = np.vectorize(lambda v: v if v > 0.5 else 0)
+
+
+def element_by_element(x, a):
+    @np.vectorize
+    def ratio(v, w):
+        quotient = v / w
+        return x[0] * quotient
+    inner = np.vectorize(lambda v: math.exp(-x[1] * v) if v > 0.45 else 1.0 / (1.0 + v * v))
+    total = np.sum(opacity(a + 1.0) * inner(a)) + opacity(x[0] + 1.0) + np.sum(power(x, 3) * ratio(x, x[::-1]))
+    return total + np.sum(power(x[:, None], x) ** 2)
+
+
+def of_the_type_of_the_first(x, a):
+    return np.sum(truncated(x) ** 2)
+
+
 def cases():
     for kernel in (pieces, along_axes, grids, series, polynomial, quadrature, signals, masked, classes_of_polynomials):
         yield Case(kernel, (X.copy(), A.copy()), ("x", "a"))
@@ -107,3 +134,7 @@ def cases():
     yield Case(windows_that_do_not_fit, (X.copy(), A.copy(), 2), ("x",), refused=(
         "S501 at `np.lib.stride_tricks.sliding_window_view(x, n + 9)`: a window that is longer than its axis, or has "
         "no elements"))
+    yield Case(element_by_element, (X.copy() + 1.0, A.copy()), ("x", "a"))
+    yield Case(of_the_type_of_the_first, (X.copy(), A.copy()), ("x",), refused=(
+        "S201 at `truncated`: np.vectorize gives all results the type of the first one, which is not seen to be a "
+        "float: say the type, np.vectorize(f, otypes=[float]), or write a comprehension: np.array([f(v) for v in x])"))

@@ -102,6 +102,16 @@ EVERY = (an_array, numbers, by_a_key, equal_keys, tuples, the_extreme_objects, o
          a_name)
 
 
+def extremes_of_no_items(x, level):
+    tops = [x[i] for i in range(1, len(x) - 1) if x[i - 1] < x[i] > x[i + 1] and x[i] > level]
+    found = []
+    for v in x:
+        if v > level:
+            found.append(v * v)
+    some = min((v * v for v in x), default=1.0) + max([], default=x[1])
+    return max(tops, default=0.5 * x[0]) + some * max(found, default=1.0) * min(found, default=x[2])
+
+
 def cases():
     x = np.array([0.31, 0.93, 0.5, 1.2, 0.7])
     for kernel in EVERY:
@@ -112,3 +122,5 @@ def cases():
                          (five_objects, "sorted([Particle(v, 1.0) for v in x], key=lambda p: p.v)")):
         yield Case(kernel, (x,), refused=f"S201 at `{part}`: what a list is sorted by must be known before the run: "
                    "sort an array of numbers, or its places: np.argsort(...)")
+    for level in (0.4, 9.0):
+        yield Case(extremes_of_no_items, (x, level), "x")

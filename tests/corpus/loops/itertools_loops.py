@@ -82,6 +82,32 @@ def of_an_element(a, k):
     return total
 
 
+def smoothed(values, share):
+    it = iter(values)
+    s = next(it)
+    yield s
+    for v in it:
+        s = share * v + (1 - share) * s
+        yield s
+
+
+def rest_of_an_iterator(a):
+    it, terms = iter(a[0]), iter([a[1, 0], a[1, 1] ** 2, a[2, 0]])
+    first, s = next(it), next(terms)
+    for k, (u, v) in enumerate(zip(it, a[1])):
+        s += first * u * v * k
+    return s * sum([v ** 2 for v in terms]) + sum(smoothed(a[2], 0.3)) * list(smoothed(a[1], 0.4))[-1]
+
+
+def asked_behind_a_loop(a):
+    it, s = iter(a[0]), 0.0
+    for v in it:
+        s += v
+        if s > 0.5:
+            break
+    return s + next(it, 0.0)
+
+
 def cases():
     for kernel in (products, pairs, numbered):
         yield Case(kernel, (A,), ("a",), ("a", "return"))
@@ -92,3 +118,6 @@ def cases():
     yield Case(of_a_view, (A,), ("a",), ("a", "return"))
     yield Case(left, (A,), "a")
     yield Case(of_an_element, (A, np.array([3])), "a")
+    yield Case(rest_of_an_iterator, (A,), "a")
+    yield Case(asked_behind_a_loop, (A,), refused="S201 at `next(it, 0.0)`: an iterator is asked that something has "
+               "gone through: make it a list: list(...)")

@@ -71,6 +71,7 @@ ROWS = {
     """,
     "given a function": """
         np.piecewise(x, [x < 0.5], [np.sin, 1.0])
+        np.vectorize(lambda v: v * v + 1.0)(x) * np.vectorize(lambda v: v, otypes=[float])(x)
         np.apply_along_axis(np.sum, 0, m)
         x * np.fromfunction(lambda i: i * i, (4,))
     """,

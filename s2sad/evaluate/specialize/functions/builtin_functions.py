@@ -137,8 +137,8 @@ def _set(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 def _isinstance(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     found = ev.is_instance(args[0], args[1], node)
     if found is None:
-        raise ev.refusal(node, "the built-in 'isinstance' is not supported in a kernel, but for what an argument is",
-                         help="write one kernel for each type")
+        raise ev.refusal(node, "isinstance asks for the type of a number or an array that is computed",
+                         help="ask for the class first: isinstance(other, Vector), or in one kernel for each type")
     return constant(found)
 
 

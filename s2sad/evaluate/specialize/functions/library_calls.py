@@ -221,9 +221,3 @@ def _open_mesh(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame)
     whole, new = tree.Slice(None, None, None), tree.const(None)
     return TupleValue((Data(tree.at(tree.index(ev.spelled(rows, node), whole, new), node)),
                        Data(tree.at(tree.index(ev.spelled(columns, node), new, whole), node))))
-
-
-@function("numpy.vectorize")
-def _vectorize(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
-    raise ev.refusal(node, "np.vectorize, whose results have the type of the first one, is not supported in a kernel",
-                     help="write a comprehension: np.array([f(v) for v in x])")

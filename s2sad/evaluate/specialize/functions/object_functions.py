@@ -8,14 +8,14 @@ from types import SimpleNamespace
 from s2sad import tree
 from s2sad.evaluate.specialize.classes.class_layout import ClassField, Layout, always
 from s2sad.evaluate.specialize.evaluation_state import Frame
-from s2sad.evaluate.specialize.evaluator import Evaluator
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Known, Options, function
 from s2sad.evaluate.specialize.functions.standard_library import copied
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sequences.iterator_use import DEFAULT
 from s2sad.evaluate.specialize.values import (
-    FACTORY, NONE, ClassValue, Data, LibraryValue, ObjectValue, Reference, OpaqueValue, TupleValue, Value, constant,
-    demands_of,
+    FACTORY, NONE, ClassValue, Conflict, Data, LibraryValue, ObjectValue, Reference, OpaqueValue, SliceValue,
+    TupleValue, Value, constant, demands_of,
 )
 from s2sad.tree import AST
 
@@ -160,6 +160,24 @@ def _iter(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     return ev.heap.new(Object("iterator", {"base": ev.atoms(base, "items", node), "k": constant(0)}, site=node))
 
 
+@operation
+def rest_of(ev: Evaluator, iterator: Reference, node: AST, f: Frame) -> Value:
+    """What an iterator has not given yet, to something that goes through it; nothing else may ask it from then on."""
+    base, k = _position(ev, iterator, node)
+    ev.heap.put(iterator, "base", Conflict("an iterator that something has gone through"))
+    if isinstance(base, TupleValue):
+        return TupleValue(base.items[k:])
+    return ev.item_of(base, SliceValue((constant(k), NONE, NONE)), node, f) if k else base
+
+
+def _position(ev: Evaluator, iterator: Reference, node: AST) -> tuple[Value, int]:
+    """What an iterator goes through, and how many items it has given."""
+    held = ev.heap[iterator]
+    if isinstance(held.items["base"], Conflict):
+        raise ev.refusal(node, "an iterator is asked that something has gone through", help="make it a list: list(...)")
+    return held.items["base"], ev.known(held.items["k"], node, "how many items were taken")
+
+
 def _first(ev: Evaluator, args: Args, node: AST, f: Frame) -> Value:
     """The first item of a generator, with which nothing else goes on."""
     end = tree.Return(tree.name(DEFAULT)) if args[1:] else tree.Raise(tree.name("StopIteration"), None)
@@ -171,7 +189,7 @@ def _next(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     held = ev.heap[args[0]] if isinstance(args[0], Reference) else None
     if held is None or held.kind != "iterator":
         return _first(ev, args, node, f)
-    base, k = held.items["base"], ev.known(held.items["k"], node, "how many items were taken")
+    base, k = _position(ev, args[0], node)  # pyright: ignore[reportArgumentType]
     if isinstance(base, TupleValue) and k >= len(base.items):
         if args[1:]:
             return args[1]

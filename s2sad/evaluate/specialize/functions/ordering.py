@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate.specialize.control.choices import chosen
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
@@ -141,10 +142,27 @@ def _extreme(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -
             return items[_ordered(ev, lambda at, key: does(at, key=key), keys, node)]
         place = ev.library_call(f"numpy.arg{name}", [_row(ev, keys, node, f)], {}, node, f)
         return _picked(ev, items, ev.named(place, "place", node), node, f)
+    if "default" in options and len(args) == 1 and isinstance(args[0], Data):
+        return _extreme_or(ev, args[0], options["default"], node, f)
     if len(args) == 1 and not isinstance(args[0], Data):
         items = ev.items_of(args[0], node, f)
+        default = options.pop("default", None)
+        if not items and default is not None:
+            return default
         return items[0] if len(items) == 1 else ev.library_call(f"builtins.{name}", items, options, node, f)
     return None
+
+
+def _extreme_or(ev: Evaluator, value: Data, default: Value, node: AST, f: Frame) -> Value:
+    """The extreme of an array or a list of the residual program, or what is given where it has no items."""
+    path, count = f"builtins.{ev.called}", ev.length(value, node, f)
+
+    def extreme() -> Value:
+        return ev.library_call(path, [value], {}, node, f)
+    if not isinstance(count, Data) or count.is_known:
+        return extreme() if not isinstance(count, Data) or count.known else default
+    some = Data(tree.at(tree.compare(ev.spelled(count, node), tree.Gt(), tree.const(0)), node))
+    return chosen(ev, some, (extreme, lambda: default), node, f)
 
 
 # -- queues and places in what is sorted -----------------------------------------------------------------------------

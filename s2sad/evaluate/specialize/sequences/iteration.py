@@ -71,6 +71,8 @@ def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
             return _views(ev, value, "keys")
         if held.kind == "set":
             return list(held.items.values())
+        if held.kind == "iterator":
+            return all_items(ev, ev.rest_of(value, node, f), node, f)
         return _of_object(ev, value, node, f)
     if isinstance(value, Data) and isinstance(value.known, str):
         return [constant(c) for c in value.known]

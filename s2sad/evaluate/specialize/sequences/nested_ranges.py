@@ -19,7 +19,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sequences.counted_sequence import list_parts
 from s2sad.evaluate.specialize.values import (
-    LARGEST_SEQUENCE, Data, Iteration, LibraryValue, TupleValue, Value, constant,
+    LARGEST_SEQUENCE, Data, Iteration, LibraryValue, Reference, TupleValue, Value, constant,
 )
 from s2sad.tree import AST
 
@@ -35,7 +35,10 @@ def gone_through(ev: Evaluator, node: Any, f: Frame) -> Value:
     star = node.args[0] if isinstance(node, tree.Call) and len(node.args) == 1 and not node.keywords else None
     if isinstance(star, tree.Starred) and ev.value(node.func, f) == LibraryValue("numpy.ndindex"):
         return ev.iterator("numpy.ndindex", ev.value(star.value, f))
-    return list_parts(ev.value(node, f))
+    value = ev.value(node, f)
+    if isinstance(value, Reference) and ev.heap[value].kind == "iterator":
+        return ev.rest_of(value, node, f)
+    return list_parts(value)
 
 
 @operation
