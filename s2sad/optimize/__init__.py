@@ -20,7 +20,6 @@ from s2sad.optimize.primal_contraction import primal_contraction
 from s2sad.optimize.shared_reciprocals import shared_reciprocals
 from s2sad.optimize.shape_propagation import shape_propagation
 from s2sad.optimize.strength_reduction import strength_reduction
-from s2sad.optimize.unguarded_division import unguarded_division
 from s2sad.optimize.unsigned_indices import unsigned_indices
 from s2sad.optimize.vector_math import vector_math
 from s2sad.optimize.vectorize import vectorize
@@ -56,7 +55,6 @@ PASSES: Passes = (
     Pass(shape_propagation, when=in_loops),
     Pass(unsigned_indices, when=in_adjoint_loops),
     Pass(strength_reduction, when=in_arrays),
-    Pass(unguarded_division, when=in_arrays),
     Pass(extremum_scatter, when=in_arrays),
 )
 

@@ -1,28 +1,32 @@
 """inlining: a function of numbers that computes transcendental values is written where loops call it.
 
     def gain(x):
-        return 1.0 / (1.0 + np.exp(-x))
+        return x * np.exp(-x)
 
     def f(x: float64[:], y: float64[:]):
         for i in range(x.size):
-            y[i] = y[i] * gain(x[i])
+            y[i] = gain(x[i])
 
 in its adjoint:
 
     def f_adjoint(...):
-        ...
-            (gain_1,) = user.gain_adjoint(x[i], gain_value_bar)
-            x_bar[i] += gain_1
+        for i in range(x.size):
+            ...
+            (gain,) = gain_adjoint(x[i], gain_value_bar)
+            x_bar[i] += gain
 
 becomes
 
     def f_adjoint(...):
-        ...
-            x_2 = x[i]
-            exp_value = np.exp(-x_2)
+        for i in range(x.size):
             ...
-            gain_1 = x_bar_2
-            x_bar[i] += gain_1
+            gain_x = x[i]
+            gain_exp_value = np.exp(-gain_x)
+            gain_x_bar = gain_exp_value * gain_value_bar
+            gain_exp_value_bar = gain_x * gain_value_bar
+            gain_x_bar -= gain_exp_value * gain_exp_value_bar if gain_exp_value_bar != 0.0 else 0.0
+            gain = gain_x_bar
+            x_bar[i] += gain
 
 *Requires* finished text for Numba; the functions to be inlined, finished, too, which neither write arrays nor branch.
 *Establishes* the same values: `vector_math` sees what the function computes, and what it and its derivative both
