@@ -282,6 +282,17 @@ def of_one_number_given_twice(x, k):
     return np.sum(x) * s2sad.gradient(power, "b")(k, k) + s2sad.gradient(power, "a")(x[0], x[0])
 
 
+def summed(a, b):
+    t = 0.0
+    for i in range(a.size):
+        t += a[i] ** 2 * b[i]
+    return t
+
+
+def of_one_given_twice_in_a_loop(x, k):
+    return np.sum(s2sad.gradient(summed, "a")(x, x) * x) * k + np.sum(s2sad.gradient(summed, "b")(x, x) * x)
+
+
 # -- refused ---------------------------------------------------------------------------------------------------------
 def of_what_is_no_float(x, k):
     return np.sum(s2sad.gradient(smoothed, "u")(np.zeros(4), x, k))
@@ -305,6 +316,18 @@ def swallowing(a, b):
     return np.sum(a)
 
 
+def begun_as_its_own(a, b):
+    t = 0.0
+    if b[0] > 0.0:
+        t = a
+    t += b
+    return np.sum(t * b)
+
+
+def of_one_that_is_written_by_another_name(x, k):
+    return np.sum(s2sad.gradient(begun_as_its_own, "a")(x, x)) * k
+
+
 def of_one_that_is_written_as_well(x, k):
     return np.sum(s2sad.gradient(swallowing, "a")(x, x)) * k
 
@@ -318,7 +341,7 @@ def cases():
         norm_of_forces, of_a_name, of_a_position, of_a_differentiated_one, value_too, of_a_number, of_both,
         as_in_jax, by_keywords, along, mixed, weighted, tangents, of_a_written_array, of_helpers, of_what_writes,
         of_branches, of_matrices, in_a_branch, in_a_helper, third, argument_afterwards,
-        of_one_given_twice, along_one_given_twice, of_one_number_given_twice]
+        of_one_given_twice, of_one_given_twice_in_a_loop, along_one_given_twice, of_one_number_given_twice]
     for kernel in both:
         yield Case(kernel, (X.copy(), 1.3), ("x", "k"))
     yield Case(leapfrog, (X.copy(), np.zeros(4), 1.3), ("x", "v", "k"), ("return", "x", "v"))
@@ -340,6 +363,8 @@ def cases():
              "library: give a function that can be read"),
             (of_one_that_is_written_as_well, f"S201 at `s2sad.gradient(swallowing, \"a\")(x, x)`: 'a' {here} "
              f"'swallowing' that it reads and that is given by itself: {advice}"),
+            (of_one_that_is_written_by_another_name, "S201 at `s2sad.gradient(begun_as_its_own, \"a\")(x, x)`: 'a' "
+             f"{here} 'begun_as_its_own' that it reads and that is given by itself: {advice}"),
             (with_options, "S201 at `s2sad.vjp(energy, (x, k), {\"return\": 1.0}, wrt=\"k\", checkpoint={\"i\": 2})`: "
              "'checkpoint' of s2sad.vjp is not supported in a kernel: leave it out: the loops of what is "
              "differentiated record")):

@@ -7,6 +7,7 @@ whose text is made once the types of the arguments are known (`units.nested_deri
 """
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,11 +16,12 @@ from s2sad import tree
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
-from s2sad.evaluate.specialize.separate.separate_call import SeparateFunctions, separate_function
-from s2sad.evaluate.specialize.separate.separate_functions import SeparateFunction
+from s2sad.evaluate.specialize.separate.separate_call import Made, SeparateFunctions, separate_function
+from s2sad.evaluate.specialize.separate.separate_functions import SeparateFunction, acts
 from s2sad.evaluate.specialize.values import (
     NONE, Data, FunctionValue, LibraryValue, Reference, TupleValue, Value, constant,
 )
+from s2sad.liveness import targets
 from s2sad.naming import Names
 from s2sad.program import NestedDerivative
 from s2sad.read.outside_values import UserFunctionValue
@@ -176,7 +178,7 @@ def _inner(ev: Evaluator, of: Value, args: Sequence[Value], keywords: Mapping[st
     for name, value in view.bound.items():
         alone = sum(isinstance(v, Data) and v.name == getattr(value, "name", None) for v in view.bound.values()) == 1
         place = next((k for k, leaf in enumerate(leaves) if isinstance(value, Data) and leaf.name == value.name), None)
-        alone = alone and not (name in apart and made.acts)     # what it writes would be the other one, too
+        alone = alone and not (name in apart and made.acts and _writes(ev, made))   # the other one would be, too
         if alone and place is not None and not leaves[place].is_held:
             places[name] = place
     parameters = [a.id for a in of.captured.tree.args.args]
@@ -184,6 +186,23 @@ def _inner(ev: Evaluator, of: Value, args: Sequence[Value], keywords: Mapping[st
     returns = made.whole.kind == "leaf" and len(made.results) == 1
     return _Inner(view.function, made.name, tuple(leaf.name for leaf in leaves), tuple(leaf.outer for leaf in leaves),
                   places, bound, returns)
+
+
+def _writes(ev: Evaluator, made: Made) -> bool:
+    """Whether a function may do more than to bind its names and to add to sums, which begin with a literal."""
+    meaning: Any = ev.outside[made.name]
+    statements = list(tree.walk_statements(meaning.handle.tree.body))
+    stored, begun, adds = Counter[str](), Counter[str](), Counter[str]()
+    for statement in statements:
+        bound = [n.id for t in targets(statement) for n in tree.walk(t) if isinstance(n, tree.Name)]
+        stored.update(bound)
+        if isinstance(statement, tree.AugAssign) and isinstance(statement.target, tree.Name):
+            adds.update(bound)
+        elif isinstance(statement, tree.Assign) and isinstance(statement.value, tree.Constant):
+            begun.update(bound)
+    sums = {n for n in begun if begun[n] + adds[n] == stored[n]}
+    return any(acts(s, ev.separate.acting) for s in statements if not (
+        isinstance(s, tree.AugAssign) and isinstance(s.target, tree.Name) and s.target.id in sums))
 
 
 def _apart(ev: Evaluator, of: FunctionValue, args: Sequence[Value], keywords: Mapping[str, Value],
