@@ -23,6 +23,7 @@ import s2sad.runtime
 from s2sad.dispatch import executable
 from s2sad.dispatch.memory_reuse import MemoryReuse
 from s2sad.run import compiled, module_loader
+from tests.harness import engines
 
 HUGE = {8: 100, 16: 30_000, 32: 2_000_000_000, 64: 4_000_000_000_000_000_000}   # by bits: far behind every array's end
 NAME = "_poison"
@@ -124,7 +125,8 @@ def _for_numba() -> None:
     extending.overload(filled)(typed)
 
 
-_runtime = cache(compiled._runtime.__wrapped__)     # the runtime's functions, compiled with what is allocated filled
+# the runtime's functions with what is allocated filled: compiled, and as `running` runs them
+_runtime, _runtime_in_loops = cache(compiled._runtime.__wrapped__), cache(compiled._runtime.__wrapped__)
 
 
 @contextmanager
@@ -146,6 +148,6 @@ def poisoned() -> Iterator[None]:
                                    (executable, "load", own),
                                    (executable, "MemoryReuse", _Keeping), (compiled, "_jit", compiled_or_known),
                                    (compiled, "_key", lambda bounds: f"{key(bounds)}-poison"),
-                                   (compiled, "_runtime", _runtime)):
+                                   (compiled, "_runtime", _runtime), (engines, "_runtime", _runtime_in_loops)):
             changed.enter_context(patch.object(where, name, value))
         yield
