@@ -139,6 +139,45 @@ def structure_changed_behind_the_exit(x, n):
     return p.first + p.second[0] * p.second[1] * r
 
 
+def structure_of_each_exit(x, n):
+    r, k = x[0], 0
+    while True:
+        p = Pair(r * x[1], [r, 2.0])
+        k += 1
+        if k >= n:
+            break
+        r = 1.2 * r + x[2]
+        if r > 3.0:
+            p = Pair(r, [x[3], r * r])
+            break
+    return p.first * p.second[0] + p.second[1]
+
+
+def structure_under_two_names(x, n):
+    s = 0.0
+    for k in range(n):
+        p = Pair(x[0] * k, [x[1], 2.0])
+        q = p
+        if s > 2.0:
+            q = Pair(x[2], [x[3], 1.0])
+            break
+        s += x[k % 4]
+    p.second[0] = s
+    return q.first * q.second[0] + p.first
+
+
+def one_of_two_structures(x, n):
+    s = 0.0
+    for k in range(n):
+        p = [x[0] * k, x[1]]
+        q = p
+        if s > 2.0:
+            q = [x[2], x[3]]
+            break
+        s += x[k % 4]
+    return q[0] * q[1] + s
+
+
 def cases():
     for n in (0, 1, 3):
         yield Case(without_a_round, (X, n), ("x",))
@@ -150,3 +189,7 @@ def cases():
     for kernel in (structure_of_the_last_round, structure_changed_behind_the_exit):
         for n in (1, 3, 7):
             yield Case(kernel, (X, n), ("x",))
+    for n in (1, 3, 7):
+        yield Case(structure_of_each_exit, (X, n), ("x",))
+    for kernel in (structure_under_two_names, one_of_two_structures):
+        yield Case(kernel, (X, 4), ("x",), refused="S201 at `q`: 'q' is bound on one way only")

@@ -128,7 +128,8 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
     ev.block += prelude
     assert make is not None
     ev.emit(make(body or [tree.at(tree.Pass(), origin)]), origin, True)
-    after = {**head, **{n: o for n, o in (ev.heap.objects if falls else {}).items() if n not in head}}
+    last = ends[0] if ends else {}
+    after = {**head, **{n: o for n, o in last.items() if n not in head}}
     for (n, key), home in loop.homes.items():
         old = loop.start[n].items.get(key, NONE)
         value = placed(ev, loop.start, old, home, origin, after)

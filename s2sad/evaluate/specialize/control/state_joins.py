@@ -8,7 +8,7 @@ read.
 """
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import replace
 from itertools import zip_longest
 from typing import Any
@@ -142,7 +142,7 @@ class Join:
         data = [(w, v) for w, v in there if isinstance(v, Data)]
         if len(data) < len(there) or any(v.is_known and not isinstance(v.known, (int, float)) for _, v in data):
             several = any(not alike(one, v) for _, v in there[1:])
-            if several and wanted in self.ev.choices and len(
+            if several and wanted in self.ev.choices and self._are_there(v for _, v in there) and len(
                     alternatives(self.ev.heap, [(w.objects, v) for w, v in there])[0]) > 1:
                 return self._choice(there, wanted)
             return Conflict(f"'{wanted}' is bound on one way only", choice=wanted if several else "")
@@ -151,6 +151,10 @@ class Join:
             return replace(data[0][1], known=UNKNOWN, may_be_unbound=True)
         found = self._one_name(data, wanted, tests)
         return replace(found, may_be_unbound=True) if isinstance(found, Data) else found
+
+    def _are_there(self, values: Iterable[Value]) -> bool:
+        """Whether structures may be alternatives: behind a loop, those that were there before it."""
+        return self.begun < 0 or all(self._is_on_all(v) for v in values if isinstance(v, Reference))
 
     def _is_on_all(self, value: Value) -> bool:
         """Whether a value was there before the ways parted."""
