@@ -120,7 +120,8 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     found = facts(derived, request, units) | {"unshadowed": missing_shadows(
         unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges), "index_limits": limits}
 
-    distinct = distinct_arguments(made + primal_functions(units, kernels_called(made, units)), types_of(units))
+    functions = primal_functions(units, kernels_called(made, units))
+    distinct = distinct_arguments(functions + made, types_of(units))
 
     def final(d: UnitDerivative) -> tuple[FunctionDef, ...]:
         """The function of a derivative, or the two of its sweeps."""
@@ -128,7 +129,6 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
         if d.forward is None:
             return (d.function if plain else fast(d, units, inlined, not request.width),)
         return (d.forward, d.function) if plain else fast_sweeps(d, units, inlined)
-    functions = primal_functions(units, kernels_called(made, units))
     inlined = inlined_functions([*functions, *(d.function for d in units.derived.values() if d.forward is None)],
                                 types_of(units))
     if request.level == "fast" and request.engine == "numba":       # steps that run again are most of what runs

@@ -199,6 +199,8 @@ class Differentiated(Decorated, Generic[P, R]):
     def compiled(self, mode: str, *args: Any) -> Callable[..., Any]:
         """The bare function for arguments of these types, compiled: no checks, no conversions, no overhead.
 
+        The arrays that it is given share no memory, shadows and seeds among them.
+
         Args: mode, "adjoint", "tangent" (args as for these) or "primal" (f's own arguments). Arrays that f reads from
         its module are its last parameters; numbers from there are those of now.
         """

@@ -45,7 +45,7 @@ from s2sad.optimize.expensive_values import is_expensive
 from s2sad.simplify.context import DerivativeContext, InlinedFunction
 from s2sad.tree import (
     AST, Assign, AugAssign, BoolOp, Call, For, FunctionDef, If, IfExp, Name, Return, Tuple, While, assign,
-    at, copy, is_comment, name, rebuild, stored_names, user_call, walk,
+    at, call_name, copy, is_comment, name, rebuild, stored_names, user_call, walk,
 )
 
 CHANGES_ROUNDING = False
@@ -92,7 +92,7 @@ class _Inlining:
     """One function; `types` are those of the names that it gets."""
 
     def __init__(self, function: FunctionDef, context: DerivativeContext):
-        self.inlined, self.given = context.inlined, context.types
+        self.inlined, self.given, self.writing = context.inlined, context.types, context.writing
         self.free = Names({n.id for n in walk(function) if isinstance(n, Name)} | set(context.types))
         self.types: dict[str, Type] = {}
 
@@ -122,12 +122,14 @@ class _Inlining:
         """What binds several names at once."""
         if len(targets) == 1:
             return [Assign(targets, values[0], None)]
-        held = [self.free.fresh(t.id) for t in targets if isinstance(t, Name)]
-        self.types |= {h: self.given[t.id] for h, t in zip(held, targets) if t.id in self.given}
+        held = [self.free.fresh(t.id if isinstance(t, Name) else "value") for t in targets]
+        self.types |= {h: self.given[t.id] for h, t in zip(held, targets) if isinstance(t, Name) and t.id in self.given}
         return [*map(assign, held, values), *(Assign([t], name(h), None) for t, h in zip(targets, held))]
 
     def calls(self, statement: AST) -> Iterator[Call]:
         """The calls to inline of a statement that are always made, inner ones first."""
+        if any(call_name(n) in self.writing for n in walk(statement)):     # which arguments read, on either side
+            return
         chosen = {id(n) for c in walk(statement) if isinstance(c, (BoolOp, IfExp)) for n in walk(c)}
         single = not (isinstance(statement, Assign) and isinstance(statement.targets[0], Tuple))
         for n in reversed(list(walk(statement.value))):

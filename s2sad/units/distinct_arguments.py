@@ -21,7 +21,7 @@ from s2sad.infer.types import Type
 from s2sad.liveness import targets
 from s2sad.optimize.loop_bounds import are_apart, least_counter
 from s2sad.tree import (
-    AST, Attribute, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, Name, Return, Slice, Subscript,
+    AST, Attribute, BinOp, BoolOp, Call, Compare, Constant, For, FunctionDef, Name, Return, Slice, Starred, Subscript,
     UnaryOp, call_name, children, indices, stored_names, user_call, walk, walk_statements,
 )
 
@@ -69,7 +69,8 @@ class _Memory:
     def of(self, node: AST) -> set[str]:
         """The parameters and new arrays in whose memory the value of an expression may lie."""
         if isinstance(node, Name):
-            return self.owners.get(node.id, set()) if self.may_be_array(node.id) else set()
+            is_own = "." not in node.id
+            return self.owners.get(node.id, {node.id} if is_own else set()) if self.may_be_array(node.id) else set()
         if isinstance(node, _VALUES) or call_name(node) in self.new or isinstance(
                 node, Attribute) and node.attr == "shape":
             return set()
@@ -84,7 +85,7 @@ class _Memory:
     def is_element(self, node: Subscript) -> bool:
         kind = self.table.get(node.value.id) if isinstance(node.value, Name) else None
         return kind is not None and kind.is_array and len(indices(node)) == kind.rank and not any(
-            isinstance(i, Slice) for i in indices(node))
+            isinstance(i, Slice) or isinstance(i, Constant) and i.value in (None, ...) for i in indices(node))
 
     def is_handed_back(self) -> bool:
         """Whether what the function returns may lie in what it is given."""
@@ -102,7 +103,8 @@ class _Memory:
                 continue
             kinds = [*parameters.get(callee, ()), *[None] * len(call.args)]
             arrays = [(a, self.of(a)) for a, kind in zip(call.args, kinds) if kind is None or not kind.is_number]
-            if call.keywords or any(m & n and not _are_rows_apart(a, b, least)
+            is_open = call.keywords or any(isinstance(a, Starred) for a in call.args)
+            if is_open or any(m & n and not _are_rows_apart(a, b, least)
                                     for (a, m), (b, n) in combinations(arrays, 2)):
                 yield callee
 

@@ -33,7 +33,7 @@ def test_other_arrays_and_other_rows_are(body):
     "w = u if i else v; g(v, w, i)", "for w in u:\n        g(w, u, i)", "w, x = h(u, v, i); g(w, x, i)",
     "if i:\n        w = u\n    g(u, w, i)", "g(u[i], u[i + 1], 0)", "g(u[0], u[-1], 0)", "g(u[0, :], u[:, 0], i)",
     "for i in range(-1, n):\n        g(u[i], u[i + 1], 0)", "for i in range(n):\n        g(u[i], u[n], 0)",
-    "g(x=u, y=v, k=i)", "solve(g, u)"])
+    "g(x=u, y=v, k=i)", "solve(g, u)", "t = z[..., None]; g(t, z, i)", "g(z[None, ...], z, i)", "g(*u, v, i)"])
 def test_what_may_share_memory_is_not_nor_what_is_called_with_it(body):
     assert distinct(body) == "f"
 
