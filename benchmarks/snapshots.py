@@ -13,7 +13,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from math import comb
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +24,6 @@ from benchmarks.kernels.brusselator import brusselator, integrate
 from benchmarks.kernels.cases import ARRAYS, field
 from benchmarks.memory import MIB, STATUS, resident
 from benchmarks.tables import Table, verdict
-from s2sad.runtime import crowded, runs_again
 
 FEW, ROUNDS = 500, 20           # steps of which the times of one are taken, and how often
 MOST = 1.1          # of the predicted time
@@ -86,21 +84,6 @@ def tables(quick: bool, kernels: list[str]) -> list[Table]:
     return [table]
 
 
-def forward_runs(steps: int, snapshots: int, counted: bool) -> int:
-    """How many forward steps a gradient runs, those in the adjoints of steps not among them."""
-    if counted:
-        repeats = 0
-        while comb(snapshots + repeats, snapshots) < steps:
-            repeats += 1
-        return repeats * steps - comb(snapshots + repeats, snapshots + 1) + 1
-    gap = step = 1
-    while step < steps:
-        while step % gap == 0 and crowded(step, gap, snapshots):
-            gap *= 2
-        step += gap - step % gap
-    return steps + runs_again(steps, gap, snapshots)
-
-
 def main(name: str, steps: int, snapshots: int, where: str = "") -> None:
     """Takes one gradient and prints seconds and MiB; compiled, and run with few steps, before."""
     with tempfile.TemporaryDirectory(prefix="snapshots-") as folder:
@@ -109,7 +92,6 @@ def main(name: str, steps: int, snapshots: int, where: str = "") -> None:
 
 def measured(name: str, steps: int, chosen: s2sad.Snapshots) -> dict[str, float]:
     kernel, loop, wrt = KERNELS[name]
-    snapshots = chosen.count
     kept = s2sad.differentiate(kernel, engine="numba", checkpoint={loop: chosen})
     plain = s2sad.differentiate(kernel, engine="numba")
     few, many = given(name, FEW), given(name, steps)
@@ -123,7 +105,9 @@ def measured(name: str, steps: int, chosen: s2sad.Snapshots) -> dict[str, float]
     peak, own = resident("VmHWM"), resident("RssAnon")
     forward, recorded = (statistics.median([*found[1:], *(timed(way, plain, few) for _ in range(ROUNDS))]) / FEW
                          for way, found in zip(ways, times))     # of the machine as it is while that runs
-    runs = forward_runs(steps, snapshots, name != "integrate_until")
+    loop_runs = kept.adjoint.memory(*many).loops[0]
+    assert loop_runs.runs is not None
+    runs = loop_runs.runs - (steps if loop_runs.in_adjoint else 0)
     rows = sum(stack.bytes or 0 for found in told.functions for stack in found.recorded if "snapshots" in stack.name)
     return {"runs": runs, "kept": rows / MIB, "peak": (peak - before) / MIB, "process": peak / MIB, "own": own / MIB,
             "time": taken, "predicted": runs * forward + steps * recorded}

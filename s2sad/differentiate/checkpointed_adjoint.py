@@ -209,7 +209,9 @@ class CheckpointedAdjoint:
         made = function(title, [n for n, _, _ in signature], [
             assign(kept, name(self.kept)), *before, *allocated, backwards, *after,
             *([Return(tuple_of(*values))] if values else [])])
-        return Derivative(made, self.shadows, signature, returned, rows=self.rows(),
+        rows = self.rows() if isinstance(self.loop.loop, For) else call(
+            "builtins.min", const(self.places + 1), name(self.trips))
+        return Derivative(made, self.shadows, signature, returned, rows=rows,
                           snapshots={s: self.part(n) for n, s in self.stored.items()}, trips=self.trips)
 
     def state_before(self) -> list[AST]:

@@ -1,14 +1,14 @@
 """A call that would take more memory than there is, is refused before anything is written.
 
-What a call takes is computed once for sizes and integers of about the same magnitude: those that have as many binary
-digits. Where sixteen times as much is there, all of these are let through.
+What a call takes is computed once for sizes and numbers of about the same magnitude: those that have as many binary
+digits before the point. Where sixteen times as much is there, all of these are let through.
 """
 from __future__ import annotations
 
 import os
 import shutil
 from collections.abc import Collection, Sequence
-from math import inf
+from math import frexp, inf
 from typing import Any
 
 from s2sad.diagnostics import Diagnostic, S2sadError
@@ -32,13 +32,14 @@ class MemoryCheck:
         primals = [(k, p) for k, p in enumerate(self.parameters) if p.role == "primal"]
         self.arrays = [k for k, p in primals if p.type.is_array]
         self.integers = [k for k, p in primals if p.type.is_integer]
+        self.floats = [k for k, p in primals if p.type.is_number and p.type.is_float]
         self.folders: tuple[str, ...] = generated.facts.get("folders", ())
         self.fits: set[tuple[int, ...]] = set()
 
     def __call__(self, arguments: Sequence[Any]) -> None:
         """Raises S2sadError where a call with these arguments cannot have its memory."""
         key = (*[arguments[k].size.bit_length() for k in self.arrays],
-               *[int(arguments[k]).bit_length() for k in self.integers])
+               *[int(arguments[k]).bit_length() for k in self.integers], *[frexp(arguments[k])[1] for k in self.floats])
         if key not in self.fits:
             self.compare(key, arguments)
 

@@ -84,8 +84,7 @@ class _Option:
 
     def steps(self, loop: str) -> int:
         """The number of steps of a loop that keeps snapshots."""
-        known = [self.found.steps.get(s.function) if s.is_counted else None
-                 for s in self.generated.facts.get("loops", ()) if s.loop == loop]
+        known = [self.found.steps.get(s.function) for s in self.generated.facts.get("loops", ()) if s.loop == loop]
         return max([_MANY if n is None else n for n in known], default=_MANY)
 
     def runs(self, loop: str, count: int) -> float:

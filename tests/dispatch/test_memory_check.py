@@ -100,7 +100,7 @@ SCRIPT = """
     import s2sad
     from tests.interface import memory_kernels as kernels
     u = np.full(100_000, 0.5)
-    f = s2sad.differentiate(kernels.until, engine=sys.argv[1], wrt="u")
+    f = s2sad.differentiate(kernels.slower, engine=sys.argv[1], wrt="u")
     s2sad.gradient(f)(u, 1.0, 2.0)
     there = int(open("/proc/self/statm").read().split()[0]) * 4096
     resource.setrlimit(resource.RLIMIT_AS, (there + 300_000_000, resource.RLIM_INFINITY))
@@ -119,7 +119,17 @@ def test_memory_that_is_gone_in_the_run_says_the_same(engine):
                           text=True)
     lines = done.stdout.splitlines()
     assert "takes" in lines[0] and lines[0].endswith(", and what is known only at run time, which could not be had")
-    assert lines[-1] == '  help: checkpoint={"line 92": 50} keeps snapshots in place of the tape'
+    line = kernels.slower.__code__.co_firstlineno + 3
+    assert lines[-1] == f'  help: checkpoint={{"line {line}": 50}} keeps snapshots in place of the tape'
+
+
+@ENGINES
+def test_a_number_of_steps_that_floats_decide_is_foreseen(engine, small):
+    f = differentiate(kernels.until, engine=engine, wrt="u")
+    gradient(f)(U, 1.0, 2.0)
+    for end in (1e6, 3e6):
+        with pytest.raises(S2sadError, match="S410"):
+            gradient(f)(U, 1.0, end)
 
 
 def test_what_the_kernel_itself_cannot_have_is_its_own_error():

@@ -147,3 +147,49 @@ def two_levels(u, n: int, m: int):
 
 def of_helper(u, n: int):
     return product(u, n)
+
+
+def slower(u, dt, end):
+    """Data decide how many steps there are."""
+    t = 0.0
+    while t < end:
+        u *= u
+        t += dt * (1.0 + u[0])
+    return np.sum(u)
+
+
+def down(u, dt, end):
+    n = int(end)
+    while 0 < n:
+        u *= u
+        n -= 3
+    return np.sum(u)
+
+
+def no_further(u, dt, end):
+    t = 0.0
+    while t + dt <= end:
+        for i in range(u.size):
+            u[i] = u[i] * np.cos(u[i] + t)
+        t = t + dt
+    return np.sum(u)
+
+
+def or_left(u, dt, end):
+    t = 0.0
+    while t < end:
+        u *= u
+        t += dt
+        if u[0] > 2.0:
+            break
+    return np.sum(u)
+
+
+def never(u, dt, end):
+    t = 0.0
+    while t < end:
+        u *= u
+        t -= dt
+        if u[0] < 0.5:
+            t = end
+    return np.sum(u)

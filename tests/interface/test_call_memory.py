@@ -1,6 +1,9 @@
 """What memory() says before the run, against what tracemalloc sees in it."""
 from __future__ import annotations
 
+import subprocess
+import sys
+import textwrap
 import tracemalloc
 from dataclasses import FrozenInstanceError
 
@@ -157,14 +160,80 @@ def test_is_what_both_halves_allocate(kernel, args, loops):
 # -- what only the run tells ------------------------------------------------------------------------------------------
 
 def test_of_an_unknown_number_of_steps_it_says_the_bytes_of_one():
-    memory = differentiate(kernels.until, engine="numpy").adjoint.memory(U, 0.1, 10.0)
+    memory = differentiate(kernels.slower, engine="numpy").adjoint.memory(U, 0.1, 10.0)
+    line = kernels.slower.__code__.co_firstlineno + 3
     assert not memory.is_complete
     assert str(memory) == (
         "0.16 MB beside the arguments, and what is known only at run time\n"
         "  tape: 0.15 MB\n"
         "  other arrays: 7,200 bytes\n"
-        "  the loop of line 92 records 2,400 bytes a step; how many steps there are is known only at run time")
+        f"  the loop of line {line} records 2,400 bytes a step; how many steps there are is known only at run time")
     assert memory.growing[0].bytes == U.nbytes
+
+
+WHILE = [(kernels.until, 0.1, 1.0), (kernels.until, 0.1, 100.0), (kernels.until, 0.3, 0.9), (kernels.down, 0.0, 31.0),
+         (kernels.no_further, 0.1, 1.0), (kernels.no_further, 0.1, 0.05), (kernels.no_further, 0.7, 100.0)]
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@pytest.mark.parametrize(("kernel", "dt", "end"), WHILE, ids=name_of)
+def test_steps_that_numbers_decide_are_counted(kernel, dt, end, engine):
+    """To the last one, as rounding has it."""
+    loop = f"line {kernel.__code__.co_firstlineno + 2}"
+    f = differentiate(kernel, engine=engine, wrt="u", checkpoint={loop: 4})
+    memory = f.adjoint.memory(U, dt, end)
+    t, n, steps = 0.0, int(end), 0
+    while 0 < n if kernel is kernels.down else t < end if kernel is kernels.until else t + dt <= end:
+        t, n, steps = t + dt, n - 3, steps + 1
+    assert memory.is_complete
+    assert not memory.is_bound
+    if steps == 0:
+        assert memory.loops[0].runs == 0
+    else:
+        assert memory.loops[0].steps == steps
+        assert memory.loops[0].runs is not None
+        assert memory.snapshots == min(5, steps) * (U.nbytes + 8 * (kernel is kernels.no_further))
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@pytest.mark.parametrize("kernel", [kernels.slower, kernels.or_left, kernels.never], ids=name_of)
+def test_the_most_is_said_where_data_decide_how_many_steps_there_are(kernel, engine):
+    loop = f"line {kernel.__code__.co_firstlineno + (3 if kernel is kernels.slower else 2)}"
+    memory = differentiate(kernel, engine=engine, wrt="u", checkpoint={loop: 9}).adjoint.memory(U, 0.1, 1.5)
+    assert str(memory).startswith("at most ")
+    assert memory.snapshots == 10 * U.nbytes
+    assert memory.loops[0].steps is None
+
+
+@pytest.mark.parametrize("steps", [3, 40, 100])
+def test_it_says_what_of_the_snapshots_the_process_touches(steps):
+    """Of 81 rows of 2.4 MB, which are all reserved."""
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(SCRIPT), str(steps)], check=True,
+                          stdout=subprocess.PIPE, text=True)
+    said, seen = map(float, done.stdout.split())
+    assert fits(said, seen, 2 ** 20), (said, seen)
+
+
+SCRIPT = """
+    import sys
+    from pathlib import Path
+    import numpy as np
+    import s2sad
+    from tests.interface import memory_kernels as kernels
+
+    def resident(what):
+        line = next(line for line in open("/proc/self/status") if line.startswith(what))
+        return 1024 * int(line.split()[1])
+    u, end = np.full(300_000, 0.5), int(sys.argv[1]) - 0.5
+    f = s2sad.differentiate(kernels.until, engine="numpy", wrt="u", checkpoint={"line 92": 80})
+    u_bar = np.zeros_like(u)
+    f.adjoint(u.copy(), u_bar, 1.0, 0.5, 1.0)
+    given = u.copy()
+    Path("/proc/self/clear_refs").write_text("5")
+    before = resident("VmRSS")
+    f.adjoint(given, u_bar, 1.0, end, 1.0)
+    print(f.adjoint.memory(u, 1.0, end).peak, resident("VmHWM") - before)
+"""
 
 
 def test_a_loop_that_is_never_entered_is_known():

@@ -30,6 +30,7 @@ class Meter:
     bounded: bool = False
     unknown: bool = False
     kind: str = "work"      # of what is allocated now
+    rows: int | None = None     # of what is allocated now and is written in its first rows alone
     events: int = 0         # allocations, and whatever else may change what is held
 
     def add(self, kind: str, count: int) -> None:
@@ -136,7 +137,8 @@ def allocated(meter: Meter, shape: tuple[Any, ...], dtype: Any, temporary: bool 
     """A new array."""
     kind = np.dtype(dtype)
     extents = tuple(least([e, 0], largest=True) for e in shape)
-    return Array(extents, kind, Buffer(meter, meter.count_of(extents, temporary) * kind.itemsize), temporary=temporary)
+    held = extents if meter.rows is None else (least([meter.rows, extents[0]]), *extents[1:])
+    return Array(extents, kind, Buffer(meter, meter.count_of(held, temporary) * kind.itemsize), temporary=temporary)
 
 
 def elementwise(meter: Meter, operands: list[Any], dtype: Any = None) -> Array:

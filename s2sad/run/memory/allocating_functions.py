@@ -208,7 +208,7 @@ def _in_arena(meter: Meter, args: list[Any], keywords: Keywords) -> Any:
 
 def _on_disk(meter: Meter, args: list[Any], keywords: Keywords) -> Any:
     """Rows in a file."""
-    outer, meter.kind = meter.kind, "disk"
+    outer, meter.kind, meter.rows = meter.kind, "disk", None    # the file has them all
     made = allocated(meter, (args[1], *args[0].shape), args[0].dtype)
     meter.kind = outer
     return made

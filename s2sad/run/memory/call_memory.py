@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from s2sad.program import Generated, RecordedArray, SnapshotLoop
 from s2sad.run.memory.byte_counts import byte_text
 from s2sad.run.memory.footprint import Footprint
-from s2sad.run.memory.step_counts import runs_of_schedule, runs_of_steps
+from s2sad.run.memory.step_counts import runs_of_schedule, runs_of_steps, runs_of_thinned
 
 
 @dataclass(frozen=True)
@@ -109,8 +109,8 @@ def _runs(loop: SnapshotLoop, steps: int | None) -> LoopRuns:
     if schedule is not None:
         known, count, runs = schedule.steps, schedule.rows, runs_of_schedule(schedule)
     else:
-        known, count = steps if loop.is_counted else None, loop.snapshots.count
-        runs = 0 if known is None else runs_of_steps(known, count)
+        known, count = steps, loop.snapshots.count
+        runs = 0 if known is None else (runs_of_steps if loop.is_counted else runs_of_thinned)(known, count)
     if known is None:
         return LoopRuns(loop.loop, count, None, None)
     return LoopRuns(loop.loop, count, known, runs if loop.runs_in_adjoint else runs - known, loop.runs_in_adjoint)

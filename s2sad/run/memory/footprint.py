@@ -52,7 +52,7 @@ def footprint_of(generated: Generated, values: Mapping[str, Any], written: Colle
     kept = [np.empty((0,) * rank, dtype) for _, dtype, rank in facts.get("stacks", ())]
     kept += [np.empty(0)] if facts.get("arena") else []
     run = MemoryInterpreter(functions, constants, {(r.function, r.name): r.kind for r in arrays},
-                            {loop.function: loop.steps for loop in facts.get("loops", ())})
+                            facts.get("loops", ()))
     given = [*(given_argument(p, values, written) for p in generated.parameters), *(_abstract(s, True) for s in kept)]
     if "forward" in facts:
         returned = run.call(facts["forward"], [given_argument(p, values, written) for p in facts["taken"]])

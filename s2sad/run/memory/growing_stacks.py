@@ -138,6 +138,10 @@ class Stacks:
             self.meter.events += 1
             stack.buffer.values = value if there is None else replace(joined(there, value), base=None, reached=True)
 
+    def state(self) -> dict[tuple[str, str], Stack]:
+        """What has been found until now, to be `found` again."""
+        return {pair: replace(stack) for pair, stack in self.found.items()}
+
     def noted(self, frame: Frame, name: str, value: Array) -> Stack:
         """What is known of a stack, with what it takes now."""
         found = self.found.setdefault((frame.function, name), Stack())

@@ -8,13 +8,14 @@ branch that data decide is run both ways.
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from s2sad.program import SnapshotLoop
 from s2sad.run.memory.abstract_arrays import Array, KeptList, Meter
 from s2sad.run.memory.abstract_expressions import Expressions, either
 from s2sad.run.memory.allocating_functions import Trips
@@ -23,6 +24,7 @@ from s2sad.run.memory.inert_statements import InertStatements, deciding
 from s2sad.run.memory.interval_arithmetic import (
     INF, UNKNOWN, Between, bounds, joined, loops_of_values, operated, truth,
 )
+from s2sad.run.memory.while_trips import trips_of
 
 _STATEMENTS = 50_000       # how many are run trip by trip, all in all
 _FEW = 1_000                # how many where only what lives for a statement differs
@@ -30,24 +32,47 @@ _DEEPEST = 40               # calls
 
 
 class MemoryInterpreter:
-    """The functions of a text; `kinds` says of some of their names that they hold a tape, or snapshots, `counted` in
-    which name of which function the number of steps of a loop stands."""
+    """The functions of a text; `kinds` says of some of their names that they hold a tape, or snapshots, `loops` are
+    those that keep snapshots."""
 
     def __init__(self, functions: Mapping[str, ast.FunctionDef], constants: Mapping[str, Any],
-                 kinds: Mapping[tuple[str, str], str], counted: Mapping[str, str]):
-        self.functions, self.kinds, self.counted = functions, kinds, counted
+                 kinds: Mapping[tuple[str, str], str], loops: Iterable[SnapshotLoop]):
+        self.functions, self.kinds, self.loops = functions, kinds, {loop.function: loop for loop in loops}
         self.meter = Meter()
         self.expressions = Expressions(self.meter, functions, constants, self.call)
         self.stacks = Stacks(self.meter, kinds)
         self.steps: dict[str, Any] = {}
+        self.rows: dict[str, int] = {}      # that snapshots of a function fill
         self.inert = InertStatements()
         self.left, self.depth, self.may_leave = _STATEMENTS, 0, False
 
     def call(self, name: str, args: list[Any]) -> Any:
         """What a function of the text returns."""
-        function = self.functions[name]
         if self.depth >= _DEEPEST:
             return UNKNOWN
+        loop = self.loops.get(name)
+        if loop is None:
+            return self.run(name, args).returned
+        given, state = None if loop.is_counted else [*args], (self.meter.state(), self.stacks.state())
+        frame = self.run(name, args)
+        steps = frame.scope.get(loop.steps, UNKNOWN)
+        if given is not None:
+            low, high = bounds(steps)
+            if low < high:
+                self.meter.bounded |= low <= loop.snapshots.count
+            elif high <= loop.snapshots.count:      # the rows behind these are not touched
+                del frame
+                self.meter.restore(state[0])
+                self.stacks.found = state[1]
+                self.rows[name] = int(high)
+                frame = self.run(name, given)
+                del self.rows[name]
+        self.steps[name] = steps if name not in self.steps else either(self.steps[name], steps)
+        return frame.returned
+
+    def run(self, name: str, args: list[Any]) -> Frame:
+        """A function of the text, as it is left."""
+        function = self.functions[name]
         frame = Frame(name, dict(zip((p.arg for p in function.args.args), args)))
         args.clear()        # the scope has them
         outer, self.may_leave = self.may_leave, False
@@ -56,10 +81,7 @@ class MemoryInterpreter:
         self.block(function.body, frame)
         self.depth -= 1
         self.may_leave = outer
-        if name in self.counted:
-            found = frame.scope.get(self.counted[name], UNKNOWN)
-            self.steps[name] = found if name not in self.steps else either(self.steps[name], found)
-        return frame.returned
+        return frame
 
     def block(self, block: list[ast.stmt], frame: Frame) -> str:
         """Runs statements; how they are left: "" at their end, else "break", "continue", "return" or "raise"."""
@@ -111,8 +133,9 @@ class MemoryInterpreter:
             frame.scope[count_of_entries(own)] = 0
             return ""
         self.meter.kind = self.kinds.get((frame.function, own), "work")
+        self.meter.rows = self.rows.get(frame.function) if self.meter.kind == "snapshots" else None
         found = self.expressions.value(value, frame.scope)
-        self.meter.kind = "work"
+        self.meter.kind, self.meter.rows = "work", None
         for each in statement.targets:
             self.bind(each, found, frame)
         return ""
@@ -232,6 +255,8 @@ class MemoryInterpreter:
         rebound = any(_is_rebound(scope.get(n), a) for n, a in arrays.items() if (frame.function, n) not in self.kinds)
         if rebound and not how:     # what a trip finds of the one before lives until it is replaced
             how = self.one_trip(statement, frame, entry, trips)
+        if isinstance(statement, ast.While):
+            count = trips_of(statement.test, ident, entry, frame.scope, self.expressions.value) or count
         if self.may_leave or how in ("break", "return"):
             count = Between(min(1, bounds(count)[0]), bounds(count)[1], loops_of_values(count))
         self.may_leave = outer

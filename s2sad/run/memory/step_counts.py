@@ -1,9 +1,11 @@
 """How often the steps of a loop run that keeps snapshots."""
 from __future__ import annotations
 
+from functools import lru_cache
 from math import comb
 
 from s2sad.program import NOTHING, Schedule
+from s2sad.runtime import crowded, runs_again
 
 
 def runs_of_steps(steps: int, snapshots: int) -> int:
@@ -20,6 +22,21 @@ def runs_of_steps(steps: int, snapshots: int) -> int:
     while comb(snapshots + repeats, snapshots) < steps:
         repeats += 1
     return repeats * steps - comb(snapshots + repeats, snapshots + 1) + 1 + steps
+
+
+@lru_cache(256)
+def runs_of_thinned(steps: int, snapshots: int) -> int:
+    """The same where the number shows in the end: every second, fourth, ... state is kept until then.
+
+    >>> runs_of_thinned(1000, 20), runs_of_thinned(1, 20), runs_of_thinned(0, 20)
+    (3884, 2, 0)
+    """
+    gap = step = 1
+    while step < steps:
+        while step % gap == 0 and crowded(step, gap, snapshots):
+            gap *= 2
+        step += gap - step % gap
+    return 2 * steps + runs_again(steps, gap, snapshots)
 
 
 def runs_of_schedule(schedule: Schedule) -> int:
