@@ -15,7 +15,7 @@ from s2sad.analyze.callee_derivatives import ActivityPattern, CalleeDerivative, 
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.recording_plan import RecordingPlan
 from s2sad.analyze.request import DerivativeRequest
-from s2sad.analyze.stored_regions import stored_region
+from s2sad.analyze.stored_regions import Callee, stored_region
 from s2sad.analyze.tape_entries.decision_reads import DecisionReads, deciding_parameters
 from s2sad.analyze.unbounded_values import UnboundedValues, unbounded_values_of
 from s2sad.analyze.work_arrays import refills
@@ -230,9 +230,14 @@ class Units(NormalForms):
         counter = loop.loop.target.id if isinstance(loop.loop, For) else ""
         fixed = {p for p, t in zip((p.id for p in step.function.args.args), step.types) if t.is_number} - {
             counter, *loop.results}
-        found = {n: stored_region(step.structure, n, fixed) for n, t in zip(
+        found = {n: stored_region(step.structure, n, fixed, self._stores_of) for n, t in zip(
             (p.id for p in step.function.args.args), step.types) if n in state and t.is_array}
         return {n: region for n, region in found.items() if region}
+
+    def _stores_of(self, called: Call) -> Callee | None:
+        """What a call stores into; None where its text does not say it."""
+        unit = self.callee(called)
+        return None if unit is None or unit.kernel.own is not None else Callee(unit.structure, unit.summary.written)
 
     def unbounded(self, called: Call) -> UnboundedValues | None:
         """What can be infinite or nan in a callee, whatever is active there."""

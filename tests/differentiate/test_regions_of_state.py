@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import s2sad
+from tests.harness.engines import running
 from tests.harness.seeds import generator
 
 ENGINES = pytest.mark.parametrize("engine", ["numpy", "numba"])
@@ -83,9 +84,65 @@ def advance(u, c, n):
         u[0] = u[0] + c * u[1] * u[0] * (k + 1)
 
 
+def by_a_helper(u, c, n, m):
+    for k in range(n):
+        advance(u, c, k)
+    return np.sum(u * u)
+
+
+def read_by_a_helper(u, c, n, m):
+    for _k in range(n):
+        u[1:m] = u[1:m] * (1.0 + c * others(u))
+    return np.sum(u * u)
+
+
+def others(u):
+    total = 0.0
+    for i in range(u.size):
+        total += u[i] * u[i]
+    return total
+
+
+def by_a_helper_of_a_helper(u, c, n, m):
+    for k in range(n):
+        for j in range(1, 3):
+            relax(u, c * (k + 1), j, m)
+        u[0] = u[0] * np.cos(u[5])
+    return np.sum(u * u)
+
+
+def relax(u, c, j, m):
+    part_of(u, c, j, j + 1)
+    for i in range(j):
+        u[i] = u[i] + c * u[m] * u[i + 1]
+
+
+def part_of(u, c, lo, hi):
+    for _ in range(2):
+        u[lo:hi] = u[lo:hi] * (1.0 + c * u[lo + 1:hi + 1])
+
+
+def as_it_is_written(u, c, n, m):
+    for _k in range(n):
+        u[m - 6:m] = u[m - 6:m] * (1.0 + c * u[1])
+    return np.sum(u * u)
+
+
+def as_a_helper_has_it(u, c, n, m):
+    for k in range(n):
+        scale(u, c * k, m - 7, m)
+    return np.sum(u * u)
+
+
+def scale(u, c, lo, hi):
+    u[lo:hi] = u[lo:hi] * (1.0 + c * u[1])
+
+
 REGIONS: dict[Any, tuple[str, int]] = {         # the loop, and the elements of a state, of all loops of the name
     one_element: ("k", 1), two_rows: ("_k", 12), in_loops: ("_k", 12), up_to_a_number: ("_k", 3), until: ("", 2),
-    changed_behind: ("_k", 1), in_another_loop: ("_k", 1), twice: ("advance.k", 2)}
+    changed_behind: ("_k", 1), in_another_loop: ("_k", 1), twice: ("advance.k", 2), by_a_helper: ("k", 1),
+    read_by_a_helper: ("_k", 3), by_a_helper_of_a_helper: ("k", 3), as_it_is_written: ("_k", 0),
+    as_a_helper_has_it: ("k", 1)}
 
 
 def ends_of_the_array(u, c, n, m):
@@ -115,10 +172,46 @@ def perhaps_from_the_end(u, c, n, m):
     return np.sum(u * u)
 
 
-def by_a_helper(u, c, n, m):
+def at_places_that_differ(u, c, n, m):
     for k in range(n):
-        advance(u, c, k)
+        u[k % 2:k % 2 + 2] = u[k % 2:k % 2 + 2] * (1.0 + c * u[4])
     return np.sum(u * u)
+
+
+def two_as_written(u, c, n, m):
+    for _k in range(n):
+        u[m - 6:m] = u[m - 6:m] * (1.0 + c * u[1])
+        u[m - 5:m] = u[m - 5:m] * (1.0 + c * u[0])
+    return np.sum(u * u)
+
+
+def of_a_part(u, c, n, m):
+    for k in range(n):
+        advance(u[m:], c, k)
+    return np.sum(u * u)
+
+
+def at_a_place_of_the_step(u, c, n, m):
+    for k in range(n):
+        scale(u, c, k % 4, k % 4 + 2)
+    return np.sum(u * u)
+
+
+def at_a_place_that_is_read(u, c, n, m):
+    for _k in range(n):
+        scale(u, c, int(10.0 * u[0]) % 3, 5)
+    return np.sum(u * u)
+
+
+def helper_that_replaces(u, c, n, m):
+    for _k in range(n):
+        replaced(u, c)
+    return np.sum(u * u)
+
+
+def replaced(u, c):
+    u[0] = u[0] * c
+    u[:] = u * (1.0 + c * u[0])
 
 
 def all_but_a_rim(u, c, n, m):
@@ -128,7 +221,8 @@ def all_but_a_rim(u, c, n, m):
 
 
 WHOLE = {ends_of_the_array: "_k", at_the_counter: "k", at_a_place_that_moves: "_k", perhaps_from_the_end: "_k",
-         by_a_helper: "k", all_but_a_rim: "_k"}
+         all_but_a_rim: "_k", at_places_that_differ: "k", two_as_written: "_k", of_a_part: "k",
+         at_a_place_of_the_step: "k", at_a_place_that_is_read: "_k", helper_that_replaces: "_k"}
 LOOPS = {k: loop for k, (loop, _) in REGIONS.items()} | WHOLE
 
 
@@ -177,7 +271,9 @@ def test_what_is_said_is_what_is_allocated(kernel):
 
 
 @ENGINES
-@pytest.mark.parametrize("kernel", [two_rows, until, changed_behind, in_another_loop], ids=lambda k: k.__name__)
+@pytest.mark.parametrize("kernel", [
+    two_rows, until, changed_behind, in_another_loop, by_a_helper_of_a_helper, as_a_helper_has_it, as_it_is_written],
+    ids=lambda k: k.__name__)
 def test_files_and_both_halves(kernel, engine, tmp_path):
     u = np.linspace(0.2, 0.7, 6)
     expected = s2sad.gradient(_kept(kernel, engine, 3))(u, 0.1, 9, 4)
@@ -237,14 +333,33 @@ def one_of_two_stores(u, m, v):
             u[m - 5:m - 3] = u[m - 5:m - 3] * np.cos(u[m] * 0.1)
 
 
-@pytest.mark.parametrize("kernel", [down_to_the_lesser, down_to_the_greater, from_a_number, from_a_size,
-                                    down_to_a_number, one_of_two_stores], ids=lambda k: k.__name__)
-def test_places_before_the_first(kernel):
-    """A slice that begins below 0 begins at the end: such a region begins at 0."""
+def from_one_to_another(u, m, v):
+    for _k in range(6):
+        u[m:m + 4] = u[m:m + 4] * np.cos(u[m:m + 4] * u[3])
+        u[m:4 + m] = u[m:m + 4] + 0.1
+
+
+def up_to_one(u, m, v):
+    for _k in range(6):
+        cooled(u, m)
+
+
+def cooled(u, hi):
+    for _ in range(2):
+        u[:hi] = u[:hi] * np.cos(u[:hi] * u[11])
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel", [
+    from_one_to_another, up_to_one, down_to_the_lesser, down_to_the_greater, from_a_number, from_a_size,
+    down_to_a_number, one_of_two_stores], ids=lambda k: k.__name__)
+def test_places_before_the_first(kernel, engine):
+    """A slice that begins below 0 begins at the end: such a region begins at 0, or is the slice that is written."""
     u, seed = 0.4 + generator(3).random(12), {"u": np.arange(12.0) + 1.0}
-    kept, recorded = (s2sad.differentiate(kernel, engine="numpy", wrt="u", **options) for options in (
-        {"checkpoint": {"_k": 3}}, {}))
-    for m in range(-3, 9):
-        given = u, m, np.zeros(abs(m))
-        found = s2sad.vjp(kept, given, seed)["u"]
-        assert found.tolist() == s2sad.vjp(recorded, given, seed)["u"].tolist(), m
+    with running(engine) as under:
+        kept, recorded = (s2sad.differentiate(kernel, engine=under, wrt="u", **options) for options in (
+            {"checkpoint": {"_k": 3}}, {}))
+        for m in range(-3, 9):
+            given = u, m, np.zeros(abs(m))
+            found = s2sad.vjp(kept, given, seed)["u"]
+            assert found.tolist() == s2sad.vjp(recorded, given, seed)["u"].tolist(), m
