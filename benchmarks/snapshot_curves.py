@@ -16,7 +16,7 @@ import numpy as np
 
 import s2sad
 from benchmarks.peers.sections import Chapter, Picture, Section
-from benchmarks.snapshots import KERNELS, given, gradient
+from benchmarks.snapshots import KERNELS, given, gradient, measured_rows, table as table_of_long_loops
 from benchmarks.tables import Table, seconds
 
 STEPS, COUNTS, ROUNDS = 1000, (2, 5, 20, 100), 7
@@ -38,8 +38,13 @@ def measure(quick: bool) -> dict[str, Any]:
         kernels[name] = {"recorded": _point(recorded, wrt, arguments, rounds, 0), "curve": curve,
                          "primal": _median(partial(_primal, recorded, arguments), rounds),
                          "peers": _peers(name, gradient(wrt)(recorded, arguments)[wrt], arguments, counts, rounds)}
-    return {"steps": steps, "kernels": kernels, "load": os.getloadavg()[0], "cores": os.cpu_count(),
-            "peers": {name: find_spec(name) is not None for name in PEERS}}
+    return {"unreached": [] if quick else ["long"], "steps": steps, "kernels": kernels, "load": os.getloadavg()[0],
+            "cores": os.cpu_count(), "peers": {name: find_spec(name) is not None for name in PEERS}}
+
+
+def resume(found: dict[str, Any]) -> dict[str, Any]:
+    """What was measured, with the loops of a million steps, which take ten minutes."""
+    return {**found, "unreached": [], "long": measured_rows()}
 
 
 def _peers(name: str, expected: Any, arguments: tuple[Any, ...], counts: tuple[int, ...], rounds: int
@@ -116,7 +121,8 @@ def render(found: dict[str, Any]) -> Chapter:
         "Runs of a step: with those in its own adjoint, which are none where that needs the state alone.",
         Picture("snapshots", "time of a gradient against what it keeps, a curve for each kernel",
                 partial(_draw, found)),
-        table, *([others] if others.rows else [])])
+        table, *([others] if others.rows else []),
+        *([table_of_long_loops(found["long"])] if "long" in found else [])])
 
 
 def _draw(found: dict[str, Any], figure: Any) -> None:
@@ -135,4 +141,4 @@ def _draw(found: dict[str, Any], figure: Any) -> None:
     axes.legend()
 
 
-SECTION = Section("snapshots", "Long loops", measure, render, MINUTES)
+SECTION = Section("snapshots", "Long loops", measure, render, MINUTES, resume)

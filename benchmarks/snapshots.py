@@ -7,6 +7,7 @@ few steps.
 from __future__ import annotations
 
 import json
+import os
 import statistics
 import subprocess
 import sys
@@ -63,25 +64,36 @@ def given(name: str, steps: int) -> tuple[Any, ...]:
 
 def tables(quick: bool, kernels: list[str]) -> list[Table]:
     """One line for each kernel."""
-    table = Table("Gradients of long loops that keep snapshots", (
-        "kernel", "steps", "snapshots", "forward runs", "kept, MiB", "peak, MiB", "process, MiB", "of its own, MiB",
-        "time, s", "predicted, s", ""))
-    if not STATUS.exists():
-        return []
+    return [table(measured_rows(quick))] if STATUS.exists() else []
+
+
+def measured_rows(quick: bool = False) -> list[dict[str, Any]]:
+    """What is found of each of `ROWS`, in fewer steps if `quick`."""
+    found, root = [], Path(__file__).resolve().parent.parent
+    own = {name: value for name, value in os.environ.items() if not name.startswith("MALLOC_")}
     for name, most, snapshots, where in ROWS:
         steps = most // 20 if quick else most
         done = subprocess.run([sys.executable, "-m", "benchmarks.snapshots", name, str(steps), str(snapshots), where],
-                              check=True, stdout=subprocess.PIPE, text=True, cwd=Path(__file__).resolve().parent.parent)
-        found = json.loads(done.stdout.splitlines()[-1])
-        table.rows.append((f"{name}{', on disk' if where else ''}", f"{steps:,}", f"{snapshots:,}",
-                           f"{found['runs'] / steps:.2f} a step",
-                           *(f"{found[k]:.1f}" for k in ("kept", "peak", "process", "own")), f"{found['time']:.2f}",
-                           f"{found['predicted']:.2f}", verdict(found["time"], MOST * found["predicted"])))
-    table.notes = ["forward runs: of steps, without the one in each step's adjoint; kept: what explain states;",
-                   "peak: what the gradient adds to the memory of the process, which has the compilers in it and the",
-                   "pages of files that it has mapped; of its own: without these, at the end;",
-                   f"predicted: from the times of one step; at most {MOST} times that"]
-    return [table]
+                              check=True, stdout=subprocess.PIPE, text=True, cwd=root, env=own)
+        found.append({"kernel": f"{name}{', on disk' if where else ''}", "steps": steps, "snapshots": snapshots,
+                      **json.loads(done.stdout.splitlines()[-1])})
+    return found
+
+
+def table(rows: list[dict[str, Any]]) -> Table:
+    made = Table("Gradients of long loops that keep snapshots", (
+        "kernel", "steps", "snapshots", "forward runs", "kept, MiB", "peak, MiB", "process, MiB", "of its own, MiB",
+        "time, s", "predicted, s", ""))
+    for row in rows:
+        made.rows.append((row["kernel"], f"{row['steps']:,}", f"{row['snapshots']:,}",
+                          f"{row['runs'] / row['steps']:.2f} a step",
+                          *(f"{row[k]:.1f}" for k in ("kept", "peak", "process", "own")), f"{row['time']:.2f}",
+                          f"{row['predicted']:.2f}", verdict(row["time"], MOST * row["predicted"])))
+    made.notes = ["forward runs: of steps, without the one in each step's adjoint; kept: what explain states;",
+                  "peak: what the gradient adds to the memory of the process, which has the compilers in it and the",
+                  "pages of files that it has mapped; of its own: without these, at the end;",
+                  f"predicted: from the times of one step; at most {MOST} times that"]
+    return made
 
 
 def main(name: str, steps: int, snapshots: int, where: str = "") -> None:
