@@ -13,7 +13,7 @@ from s2sad.liveness import targets
 from s2sad.simplify.algebra import add_constant, simplify_index
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Constant, For, If, Mult, Name, Sub, Subscript, USub, UnaryOp,
-    call_name, copy, dump, indices, is_comment, names, walk, walk_statements,
+    call, call_name, const, copy, dump, indices, is_comment, names, walk, walk_statements,
 )
 
 
@@ -31,6 +31,11 @@ class CountedLoop:
             return range_arguments([copy(self.start), copy(self.stop)])
         return range_arguments([
             simplify_index(add_constant(copy(bound), 1), integers=True) for bound in (self.stop, self.start)])
+
+    def extent(self) -> AST:
+        """The length of a row that has an element for every counter."""
+        size = copy(self.stop) if self.step > 0 else simplify_index(add_constant(copy(self.start), 1), integers=True)
+        return size if isinstance(size, (Subscript, Constant)) else call("builtins.max", size, const(0))
 
     def ends(self, first: int = 0, last: int = 0) -> tuple[Affine, Affine] | None:
         """The least and the greatest counter, without the given numbers of first and last iterations."""
@@ -57,6 +62,13 @@ def range_arguments(bounds: list[AST]) -> list[AST]:
     """The arguments of `range` for two bounds: a start of 0 is left out."""
     first = bounds[0]
     return bounds[1:] if len(bounds) == 2 and isinstance(first, Constant) and first.value == 0 else bounds
+
+
+def placed(waiting: list[Assign], bound: Set[str] | None) -> tuple[list[Assign], list[Assign]]:
+    """Which allocations on their way out of the loops stay in one that binds these names (None: there is none), and
+    which go on."""
+    stay = [s for s in waiting if bound is None or bound & set(names(s.value))]
+    return stay, [s for s in waiting if not any(s is m for m in stay)]
 
 
 def bound_names(block: list[AST]) -> set[str]:
@@ -89,9 +101,15 @@ def substitute_symbol(form: Affine, counter: str, by: Affine) -> Affine:
 
 def is_nonnegative(form: Affine | None, least: Mapping[str, int]) -> bool:
     """Whether a form is at least 0 if every counter is at least its bound in `least`."""
-    if form is None or any(c < 0 or s not in least for s, c in form.terms):
-        return False
-    return form.constant + sum(c * least[s] for s, c in form.terms) >= 0
+    found = None if form is None else least_value(form, least)
+    return found is not None and found >= 0
+
+
+def least_value(form: Affine, least: Mapping[str, int]) -> int | None:
+    """The least value of a form if every counter is at least its bound in `least`, None if that is not known."""
+    if any(c < 0 or s not in least for s, c in form.terms):
+        return None
+    return form.constant + sum(c * least[s] for s, c in form.terms)
 
 
 def counter_offset(node: AST, counter: str) -> int | None:

@@ -25,7 +25,7 @@ from s2sad.optimize.loop_bounds import (
     CountedLoop, affine, bound_names, counted_loop, counter_offset, range_arguments, stored_elements,
 )
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, Constant, For, If, Lt, Name, Sub, Subscript, assign, at, augment, call, compare,
+    AST, Add, Assign, AugAssign, BinOp, For, If, Lt, Name, Sub, Subscript, assign, at, augment, call, compare,
     const, copy, counted_for, dump, index, indices, name, names, walk,
 )
 
@@ -172,9 +172,7 @@ class _Distribution:
 
     def row_allocation(self) -> AST:
         """A buffer with an element for every counter, and zeros in its margins."""
-        start, stop = self.bounds.start, self.bounds.stop
-        size = copy(stop) if self.bounds.step > 0 else simplify_index(add_constant(copy(start), 1), integers=True)
-        size = size if isinstance(size, (Subscript, Constant)) else call("builtins.max", size, const(0))
+        size = self.bounds.extent()
         if not self.margin:
             return call("numpy.empty", size)
         return call("numpy.zeros", simplify_index(add_constant(size, 2 * self.margin), integers=True))

@@ -203,7 +203,7 @@ def upward_exposed(body: list[AST]) -> set[str]:
             elif isinstance(statement, (Assign, AugAssign)):
                 read = set(names(statement.value))
                 for target in targets(statement):
-                    read |= set(names(target)) if isinstance(target, Subscript) or isinstance(
+                    read |= set(names(target)) if isinstance(target, Subscript) else {target.id} if isinstance(
                         statement, AugAssign) else set()
                 found.update(read - sure)
                 if always:

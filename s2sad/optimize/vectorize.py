@@ -39,7 +39,7 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.liveness import base_name
 from s2sad.optimize.loop_bounds import (
-    CountedLoop, bound_names, counted_loop, counter_offset, is_loop_free, stored_elements,
+    CountedLoop, bound_names, counted_loop, counter_offset, is_loop_free, placed, stored_elements,
 )
 from s2sad.optimize.loop_peeling import loop_peeling
 from s2sad.blocks import with_blocks
@@ -78,9 +78,8 @@ class _Vectorize:
         made: list[AST] = []
         for statement in block:
             new = self.statement(statement, least)
-            made += [s for s in self.hoisted if bound is None or bound & set(names(s.value))]
-            self.hoisted = [s for s in self.hoisted if not any(s is m for m in made)]
-            made += new
+            here, self.hoisted = placed(self.hoisted, bound)
+            made += [*here, *new]
         return made
 
     def statement(self, statement: AST, least: dict[str, int]) -> list[AST]:

@@ -74,6 +74,107 @@ def left_behind(c, a):
     return last * last
 
 
+# -- what more is in the outer loop ----------------------------------------------------------------------------------
+
+def products_of_columns(c, a):
+    r = np.empty(a.shape[1])
+    for j in range(a.shape[1]):
+        r[j] = np.dot(c, a[:, j]) * c[0]
+    return np.sum(r * r)
+
+
+def orthogonal(c, a):
+    # Gram and Schmidt: an element of column k is one of all iterations
+    for k in range(a.shape[1] - 1):
+        a[:, k] = a[:, k] / np.sqrt(np.dot(a[:, k], a[:, k]))
+        for j in range(k + 1, a.shape[1]):
+            r = np.dot(a[:, k], a[:, j]) * c[k]
+            a[:, j] -= a[:, k] * r
+
+
+def symmetric(c, a):
+    below = np.empty(a.shape[1])
+    for i in range(a.shape[0]):
+        for j in range(a.shape[1]):
+            a[:i, j] += 0.3 * a[i, j] * c[:i]
+            below[j] = a[:i, j] @ c[:i]
+        a[i, :] += a[i, :] * c[i] + 0.5 * below
+
+
+def handed_on_twice(c, a):
+    # the number is another one for the second loop
+    for j in range(a.shape[1]):
+        s = np.dot(c, a[:, j])
+        a[:, j] = a[:, j] * s * 0.1
+        s = 0.1 * (s * c[0] + np.dot(c, a[:, j]) * c[1])
+        c[2] = c[2] + 0.1 * s
+        a[:, j] += c * s
+
+
+def last_of_a_column(c, a):
+    # a number that the inner loop leaves to what stands behind it
+    for j in range(a.shape[1]):
+        last = c[0]
+        for i in range(a.shape[0]):
+            last = c[i] * a[i, j]
+        a[0, j] = last * a[1, j]
+
+
+def next_column(c, a):
+    # what stands behind the inner loop changes what the next iteration reads
+    for j in range(a.shape[1] - 1):
+        for i in range(a.shape[0]):
+            a[i, j] = a[i, j] * c[i]
+        a[0, j + 1] = a[0, j + 1] * a[1, j]
+
+
+def on_one_way(c, a):
+    s = 0.5
+    for j in range(a.shape[1]):
+        if a[0, j] > 0.8:
+            s = a[1, j]
+        for i in range(a.shape[0]):
+            a[i, j] = a[i, j] * c[i] * s
+
+
+def numbered_column(c, a):
+    # an integer is handed on
+    for j in range(a.shape[1]):
+        m = (3 * j) % 4
+        r = np.dot(c, a[:, j])
+        for i in range(a.shape[0]):
+            a[i, j] += c[m] * r * a[i, j]
+
+
+def from_the_last_column(c, a):
+    for j in range(a.shape[1]):
+        r = np.dot(c, a[:, j - 1])
+        for i in range(a.shape[0]):
+            a[i, j - 1] = a[i, j - 1] * r
+
+
+def read_and_summed(c, a):
+    # the vector is summed into by one part and read by the other
+    for j in range(a.shape[1]):
+        r = np.dot(c, a[:, j])
+        for i in range(a.shape[0]):
+            c[i] += 0.1 * r * a[i, j]
+            a[i, j] = a[i, j] * c[0]
+
+
+def without_rows(c, a, n):
+    for j in range(a.shape[1]):
+        r = c[0] * a[0, j]
+        for i in range(n):
+            a[i, j] = a[i, j] * r * c[i]
+        a[1, j] = a[1, j] * r
+
+
+DISTRIBUTED = (products_of_columns, symmetric)
+TOGETHER = (orthogonal, numbered_column, handed_on_twice, last_of_a_column, next_column, on_one_way,
+            from_the_last_column, read_and_summed)
+
+
 def cases():
     rng = generator(12)
 
@@ -90,3 +191,11 @@ def cases():
         yield Case(kernel, shapes, names, returned.get(kernel, ("c",)))
     yield Case(bound_of_none, (some(4), some(4, 9), np.array([4])), ("c", "a"), ("c",))
     yield Case(bound_of_none, (some(4), some(4, 0), np.zeros(0, int)), ("c",), ("c",))
+    for kernel in (*DISTRIBUTED, *TOGETHER):
+        for columns in (9, 1) if kernel is orthogonal else (9,):
+            of = {products_of_columns: ("return",), handed_on_twice: ("c", "a"), read_and_summed: ("c", "a")}
+            yield Case(kernel, (some(9), some(9, columns)), ("c", "a"), of.get(kernel, ("a",)))
+    for n in (0, 9):
+        yield Case(without_rows, (some(9), some(9, 9), n), ("c", "a"), ("a",))
+    narrow = some(9).astype(np.float32), some(9, 9).astype(np.float32)
+    yield Case(products_of_columns, narrow, ("c", "a"), ("return",), options={"rtol": 2e-2})
