@@ -4,7 +4,18 @@ from __future__ import annotations
 
 import builtins
 import keyword
+import re
 from collections.abc import Iterable
+
+
+def identifier(wanted: str) -> str:
+    """An identifier for what a user calls something, a key of a dictionary too.
+
+    >>> identifier("hops_(0, 1)"), identifier("0"), identifier("class")
+    ('hops_0_1', 'value_0', 'value_class')
+    """
+    found = wanted if wanted.isidentifier() else re.sub(r"\W+", "_", wanted).strip("_") or "value"
+    return f"value_{found}" if found[0].isdigit() or keyword.iskeyword(found) else found
 
 
 class Names:

@@ -44,7 +44,13 @@ def growing_capacity(items: int) -> Constant:
 
 def grows(allocation: Assign) -> bool:
     """Whether an array in place of a list doubles when it is full."""
-    return len(allocation.value.args) > 1
+    return len(allocation.value.args) > 1 and allocation.value.args[1].value is True
+
+
+def is_reused(allocation: Assign) -> bool:
+    """Whether places of an array in place of a list are filled again, when the list is shorter: `list(n, False, True)`.
+    """
+    return len(allocation.value.args) > 2
 
 
 def filled_part(listed: AST, count: AST) -> AST:

@@ -119,7 +119,8 @@ def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f
         place = tree.at(tree.attribute(base.node, key), origin) if isinstance(
             key, str) else ev.subscripted(base, key, origin)
         ev.refuse_no_number(value, origin)
-        stored = ev.spelled_item(value, origin) if base.is_list else ev.spelled(value, origin)
+        stored = ev.spelled_item(ev.as_row(base.rows, value, origin), origin) if base.is_list else ev.spelled(
+            value, origin)
         ev.emit(tree.assign(place, stored), statement or origin, True)
     elif isinstance(base, Reference) and isinstance(key, str):
         ev.assign_attribute(base, key, value, origin, f)
@@ -326,18 +327,6 @@ def _stores_otherwise(ev: Evaluator, base: Value, key: Any, s: AST, f: Frame) ->
         return False
     found = ev.class_item(ev.heap[base].made, key, s, f) if isinstance(key, str) else None
     return not isinstance(key, str) or found is not None and isinstance(found[1], LibraryValue)
-
-
-@operation
-def extend_residual(ev: Evaluator, old: Data, value: Value, s: Any, f: Frame) -> None:
-    """What `old += value` and `old.extend(value)` leave of a residual list, which stays the one that it is."""
-    if isinstance(value, Data):
-        raise ev.refusal(s, "a list whose length is not known before the run is changed in place",
-                         help="append to it item by item")
-    for item in ev.items_of(value, s, f):
-        added = ev.residual_call(tree.at(tree.attribute(tree.copy(old.node), "append"), s), [
-            Data(ev.spelled_item(item, s))], {}, s)
-        ev.emit(tree.Expr(added.node), s, True)
 
 
 def _is_list(ev: Evaluator, value: Value) -> bool:

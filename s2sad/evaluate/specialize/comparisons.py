@@ -17,7 +17,7 @@ from s2sad.evaluate.specialize.sequences.iterator_use import DEFAULT
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    UNKNOWN, Data, ObjectValue, Reference, TupleValue, Value, alike, constant, demands_of,
+    UNKNOWN, Data, ObjectValue, OpaqueValue, Reference, TupleValue, Value, alike, constant, demands_of,
 )
 from s2sad.tree import AST
 
@@ -78,6 +78,9 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
     kind = type(op).__name__
     if kind in ("Is", "IsNot"):
         return constant(_identical(ev, a, b, node) is (kind == "Is"))
+    if texts := [v for v in (a, b) if isinstance(v, OpaqueValue)]:
+        raise ev.unknown(node, f"{texts[0].what} is compared", texts[0],
+                         help="keep a number that says the same, and compare that")
     if kind in ("In", "NotIn"):
         return _contained(ev, a, b, kind == "In", node, f)
     does, word = _COMPARISONS[kind]
@@ -206,6 +209,9 @@ def _identical(ev: Evaluator, a: Value, b: Value, node: AST) -> bool:
         paths = [ev.heap[r].path for r in (a, b)]
         if all(paths):
             return _are_one(ev, paths[0], paths[1], node)
+        if all(map(ev.is_listed, (a, b))):
+            raise ev.refusal(node, "whether two objects of a list are one and the same is asked, whose length only the "
+                             "run knows", help="compare what tells them apart: a.number == b.number")
         if any(paths) and any(ev.heap[r].live is not None for r in (a, b)):
             raise ev.refusal(node, "whether an object that is given is one from outside is asked", help="keep a flag")
     return len(datas) == 0 and alike(a, b)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import difflib
 import functools
-import keyword
 import re
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
@@ -26,7 +25,7 @@ from s2sad.evaluate.specialize.values import (
     Choice, Conflict, Data, FunctionValue, Iteration, MethodValue, Reference, SliceValue, OpaqueValue, TupleValue,
     Value, constant, count, parts,
 )
-from s2sad.naming import Names
+from s2sad.naming import Names, identifier
 from s2sad.program import Fact
 from s2sad.read.outside_values import Captured, Meaning
 from s2sad.read.outside_values import Library as LibraryMeaning
@@ -118,6 +117,8 @@ class Evaluator(Operations):
         self.owning = False                                 # what is taken from outside now belongs to a bound object
         self.wanted: dict[AST, tuple[str, AST]] = {}        # what gets a name, that name and the statement
         self.called = self.label = ""                       # the function that is called; what a new object is for
+        self.in_lists: set[int] = set()                           # objects in lists of the residual program
+        self.row_forms: dict[int, Any] = {}                     # by their site what is in such lists
         self.touched: set[int] = set()                          # objects that are changed
         self.targets: tuple[str, ...] = ()                      # the names that take what a call gives
         self.tables: dict[Any, tuple[str, AST]] = {}            # arrays of numbers that are known, by these
@@ -153,6 +154,9 @@ class Evaluator(Operations):
     def change(self, reference: Reference, node: AST) -> Object:
         """The object, which is about to be changed."""
         held = self.heap[reference]
+        if reference.number in self.in_lists:
+            raise self.refusal(node, "an object is changed that a list holds whose length only the run knows",
+                               help="change it before it is appended, or append a new one")
         self.touched.add(reference.number)
         if not held.is_owned:
             raise self.outside_error(node, f"'{held.label}' is from outside, and is changed", "pass it as an argument")
@@ -184,10 +188,7 @@ class Evaluator(Operations):
         return path
 
     def fresh(self, wanted: str) -> str:
-        wanted = wanted if wanted.isidentifier() else re.sub(r"\W+", "_", wanted).strip("_") or "value"
-        if wanted[0].isdigit() or keyword.iskeyword(wanted):
-            wanted = f"value_{wanted}"
-        new = self.names.numbered(wanted)
+        new = self.names.numbered(identifier(wanted))
         self.born[new] = self.births = self.births + 1
         return new
 
@@ -293,7 +294,16 @@ class Evaluator(Operations):
         if count is None or not isinstance(value, Data):
             return self.items_of(value, node, f)
         whole = self.named(value, "unpacked", node)
+        self._raise_unless_as_long(whole, count, node)
         return [self.item_of(whole, constant(k), node, f) for k in range(count)]
+
+    def _raise_unless_as_long(self, array: Data, count: int, node: AST) -> None:
+        """Leaves the error of a call that is given an array of another length than it takes."""
+        self.raised_in_runs("builtins.TypeError", node)
+        test = tree.compare(tree.call("len", self.spelled(array, node)), tree.NotEq(), tree.const(count))
+        text = tree.const(f"the call takes {count} items of its starred argument")
+        error = tree.Raise(tree.call(self.library("builtins.TypeError"), text), None)
+        self.emit(tree.If(test, [tree.at(error, node)], []), node, True)
 
     def held_at(self, value: Value, at: int, rebound: set[str], origin: AST) -> Value:
         """A value as it was at an earlier place of the block."""

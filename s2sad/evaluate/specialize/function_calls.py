@@ -110,13 +110,15 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
         return _one_of(ev, function, args, keywords, node, f)
     if isinstance(function, MethodValue):
         if isinstance(function.base, Data) and not isinstance(function.base.known, str):
-            if function.base.is_list and function.name == "extend" and len(args) == 1:
-                ev.extend_residual(function.base, args[0], node, f)
-                return NONE
+            if function.base.is_list and (
+                    found := ev.residual_list_method(function.base, function.name, args, node, f)) is not None:
+                return found
             written = ev.written_function(f"numpy.{function.name}", [function.base, *args], keywords, node, f)
             if written is not None:
                 return written
             args, keywords = with_known_options(ev, f"numpy.{function.name}", args, keywords, node, is_method=True)
+            if function.base.is_list and function.name == "append" and len(args) == 1:
+                args = [ev.as_row(function.base.rows, args[0], node)]
             if function.base.is_list:
                 args = [Data(ev.spelled_item(a, node, f)) if isinstance(a, (Reference, TupleValue)) else a
                         for a in args]
@@ -124,7 +126,7 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
                                  keywords, node)
             return replace(made, shape=of_method(function.base, function.name, args, keywords),
                            origins=origins(function.base, *args),
-                           is_list=function.base.is_list and function.name == "copy")
+                           is_list=function.base.is_list and function.name == "copy", rows=function.base.rows)
         return ev.container_method(function.base, function.name, list(args), dict(keywords), node, f)
     if is_sparse(function, ev.heap):
         return ev.called_factors(function, list(args), dict(keywords), node)

@@ -46,8 +46,10 @@ def item_of(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Va
         found = ev.subscripted(base, place, node)
         if isinstance(base.known, tuple):
             return Data(found, base.known[known_place(ev, place, node)])
-        return Data(found, demands=base.demands, shape=of_part(base, place), origins=origins(base, place),
-                    is_list=base.is_list and isinstance(place, SliceValue))
+        is_part = isinstance(place, SliceValue)
+        item = Data(found, demands=base.demands, shape=of_part(base, place), origins=origins(base, place),
+                    is_list=base.is_list and is_part, rows=base.rows if is_part else None)
+        return item if is_part else ev.listed_record(base, item, node)
     if is_sparse(base, ev.heap):
         ev.refuse_element(base, node)
     if isinstance(base, Reference) and ev.heap[base].kind == "record":

@@ -52,6 +52,7 @@ class Data:
     origins: frozenset[str] = field(default=frozenset(), compare=False)
     may_be_unbound: bool = field(default=False, compare=False)
     is_list: bool = field(default=False, compare=False)     # of the residual program
+    rows: Any = field(default=None, compare=False)          # what the items of a list are made of (`ListedRecords`)
     shape: tuple[int | None, ...] | None = field(default=None, compare=False)       # lengths of axes, as far as known
     dtype: str = field(default="", compare=False)           # of an argument as it is given
     is_signed: bool = field(default=False, compare=False)   # an integer of a table with negative ones

@@ -10,7 +10,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from s2sad.diagnostics import Report
-from s2sad.tree import AST, AugAssign, Break, For, FunctionDef, If, Name, While, names, stored_names
+from s2sad.tree import (
+    AST, AugAssign, Break, Continue, For, FunctionDef, If, Name, While, names, stored_names,
+)
 
 
 @dataclass
@@ -115,6 +117,7 @@ class UpcomingUses:
     def __init__(self, function: FunctionDef):
         self.after: dict[int, set[str]] = {}
         self.head: dict[int, set[str]] = {}
+        self._again: list[set[str]] = []        # what is used behind a `continue` of each loop around
         self._block(function.body, set(), set())
 
     def _block(self, block: list[AST], live: set[str], at_break: set[str]) -> set[str]:
@@ -126,6 +129,8 @@ class UpcomingUses:
     def _statement(self, statement: AST, live: set[str], at_break: set[str]) -> set[str]:
         if isinstance(statement, Break):
             return set(at_break)
+        if isinstance(statement, Continue) and self._again:
+            return set(self._again[-1])
         if isinstance(statement, If):
             arms = [self._block(arm, set(live), at_break) for arm in (statement.body, statement.orelse)]
             return arms[0] | arms[1] | set(names(statement.test))
@@ -140,7 +145,9 @@ class UpcomingUses:
         test = set(names(loop.iter if isinstance(loop, For) else loop.test))
         around = live | (set() if isinstance(loop, For) else test)
         while True:
+            self._again.append(around)
             head = self._block(loop.body, set(around), live)
+            self._again.pop()
             self.head[id(loop)] = head
             if head <= around:
                 return around | test

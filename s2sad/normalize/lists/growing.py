@@ -20,19 +20,23 @@ from s2sad.normalize.lists.negative_indices import negative_indices, place as in
 from s2sad.normalize.control.hoist import impure
 from s2sad.normalize.live_range_splitting import LiveRanges
 from s2sad.normalize.lists.capacity import Capacity, IndexIntervals, sink_empty_lists
+from s2sad.normalize.lists.list_columns import list_columns
+from s2sad.normalize.lists.list_homes import bindings_of, holds_lists, list_homes
+from s2sad.normalize.lists.list_statements import (
+    appended_list, as_arrays, changed_inside, grown_lists, is_first, popped_list, unfilled,
+)
 from s2sad.normalize.lists.list_contents import COPIED, row_aliases
 from s2sad.normalize.lists.escaping_lists import escaping_lists, has_sizes
 from s2sad.evaluate.scope import KernelScope
-from s2sad.liveness import base_name, targets
+from s2sad.liveness import base_name
 from s2sad.normalize.views.view_aliases import makes_view
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BinOp, BoolOp, Break, Call, Constant, Continue, Expr, For, FunctionDef, Gt,
-    IfExp, List, Mult, Name, Not, Return, Slice, Store, Subscript, Tuple, USub, UnaryOp, add, assign, at, augment,
+    AST, Add, Assign, Attribute, BoolOp, Break, Call, Constant, Continue, Eq, For, FunctionDef, Gt, If,
+    IfExp, List, Name, Not, Raise, Return, Slice, Store, Sub, Subscript, Tuple, USub, UnaryOp, add, assign, at,
+    augment,
     call, call_name, compare, const, copy, head_copy, index, indices, name, rebuild, stored_names, sub,
     walk, walk_statements,
 )
-
-_READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
 
 _REBOUND = ("pick its elements by written numbers, or in loops through it, and give it no second name; or allocate an "
          "array before and fill it in a for loop")
@@ -45,28 +49,20 @@ _EXTREME = {"builtins.max": "numpy.max", "builtins.min": "numpy.min"}      # of 
 
 def growing(function: FunctionDef, scope: KernelScope) -> FunctionDef:
     """The function with arrays in place of these lists and of comprehensions."""
-    function = rebuild(function, _unfilled)
+    function = rebuild(function, unfilled)
     nodes = list(walk(function.body))
-    if not escaping_lists(function) and not any(_appended(n) or call_name(n) == LISTED for n in nodes):
+    if not escaping_lists(function) and not grown_lists(function) and not any(call_name(n) == LISTED for n in nodes):
         _refuse_row_aliases(function, scope)
         return function
-    new = sink_empty_lists(_with_own_names(function, scope), scope, _appended)
+    new = sink_empty_lists(_with_own_names(function, scope), scope, appended_list)
+    new = list_columns(list_homes(new, {*grown_lists(new)}, scope.fresh), scope.fresh)
     scope.report.finish()
     scope.begin(new)
     _refuse_row_aliases(new, scope)
     alone = {s.targets[0].id for s in walk_statements(new.body) if isinstance(s, Assign)
              and isinstance(s.targets[0], Name)}
     return _GrowingLists(new, scope, [n for n in escaping_lists(new) if n in alone],
-                         {_appended(n) for n in nodes}).function()
-
-
-def _unfilled(node: AST) -> AST | None:
-    """A list that is yet to be filled: `[None] * n`."""
-    one = node.left if isinstance(node, BinOp) and isinstance(node.op, Mult) else node
-    if not isinstance(one, List) or not one.elts or not all(
-            isinstance(i, Constant) and i.value is None for i in one.elts):
-        return None
-    return at(call(LISTED, node.right if isinstance(node, BinOp) else const(len(one.elts))), node)
+                         {appended_list(n) for n in nodes}).function()
 
 
 def marked(item: AST) -> AST:
@@ -75,53 +71,49 @@ def marked(item: AST) -> AST:
 
 
 def _refuse_row_aliases(function: FunctionDef, scope: KernelScope) -> None:
-    for store in row_aliases(function, _appended):
+    for store in row_aliases(function, appended_list):
         scope.refuse(store, "a list holds another list that is written, not a copy of it", help=COPIED)
 
 
 def _with_own_names(function: FunctionDef, scope: KernelScope) -> FunctionDef:
     """The function in which a name that is a list at first and another thing later is two, as behind
     `us = np.array(us)` or in `for row in rows`."""
-    grown = {n for s in walk(function.body) if (n := _appended(s)) is not None}
-    return LiveRanges(function, grown).split(scope.names) or function
-
-
-def _appended(node: AST) -> str | None:
-    """The name that `name.append(x)` appends to."""
-    call_ = node.value if isinstance(node, Expr) else None
-    if isinstance(call_, Call) and isinstance(call_.func, Attribute) and call_.func.attr == "append" and isinstance(
-            call_.func.value, Name) and len(call_.args) == 1 and not call_.keywords:
-        return call_.func.value.id
-    return None
+    return LiveRanges(function, {*grown_lists(function)}).split(scope.names) or function
 
 
 class _GrowingLists:
     def __init__(self, tree: FunctionDef, scope: KernelScope, escaping: list[str], appended: set[str | None]):
         self.tree, self.scope, self.escaping = tree, scope, escaping
-        self.intervals, self.capacity = IndexIntervals(tree), Capacity(tree, scope, _appended)
+        self.intervals, self.capacity = IndexIntervals(tree), Capacity(tree, scope, appended_list)
         self.appended = appended        # names that the text appends to, not a comprehension
-        self.as_arrays, self.changed_inside = _as_arrays(tree), _changed_inside(tree)
+        self.as_arrays, self.changed_inside = as_arrays(tree), changed_inside(tree)
         self.made: dict[str, Assign] = {}
         self.counts: dict[str, str] = {}
         self.sizes: dict[str, AST | None] = {}      # how long each becomes; None if that is not known where it is made
+        self.refills: dict[int, str] = {}           # what binds a list that is there already
+        self.popped = {n for s in walk_statements(tree.body) if (n := popped_list(s)) is not None}
+        self.firsts = {n: scope.fresh(f"{n}_first") for n in sorted(self.popped) if any(
+            popped_list(s) == n and is_first(s) for s in walk_statements(tree.body))}  # where each begins in its array
 
     def function(self) -> FunctionDef:
         empty = list_arrays(self.tree)
-        grown = dict.fromkeys([*self.escaping, *(n for s in walk(self.tree.body) if (n := _appended(s)) is not None)])
+        grown = dict.fromkeys([*self.escaping, *grown_lists(self.tree)])
         self.made |= empty
         self.counts |= {n: self.scope.fresh(f"{n}_count") for n in empty}
         for found in grown:
-            bound = [s for s in walk_statements(self.tree.body) if isinstance(s, Assign) and any(
-                isinstance(t, Name) and t.id == found for t in s.targets)]
+            bound = bindings_of(self.tree, found)
             stores = [n for n in walk(self.tree.body) if isinstance(n, Name) and n.id == found
                       and isinstance(n.ctx, Store)]
-            if len(bound) != 1 or len(stores) != 1 or len(bound[0].targets) != 1 or not isinstance(
-                    bound[0].value, (List, Tuple) if found in self.escaping else List):
+            if not bound or len(stores) != len(bound) or len(bound) > 1 and (
+                    found in self.escaping or holds_lists(self.tree, found)) or not all(
+                    len(s.targets) == 1 and isinstance(s.value, (List, Tuple) if found in self.escaping else List)
+                    for s in bound):
                 self.refuse_rebound(found)
                 continue
             self.made[found] = bound[0]
             self.counts[found] = self.scope.fresh(f"{found}_count")
-            self.sizes[found] = self.capacity.of(found, bound[0])
+            self.refills |= {id(s): found for s in bound[1:]}
+            self.sizes[found] = None if bound[1:] else self.capacity.of(found, bound[0])
         self.scope.report.finish()
         new = copy(self.tree)
         new.body = self.block(self.tree.body, [])
@@ -131,7 +123,7 @@ class _GrowingLists:
         return [at(made, s) for s in block for made in self.statement(s, loops)]
 
     def refuse_rebound(self, found: str) -> None:
-        place = next(s for s in walk(self.tree.body) if _appended(s) == found)
+        place = next(s for s in walk(self.tree.body) if appended_list(s) == found or popped_list(s) == found)
         if found in self.appended:
             self.scope.refuse(place, f"append to {found!r}, which is not bound once, to a list",
                               help="bind it once, as [] or as a list of what it starts with")
@@ -139,17 +131,22 @@ class _GrowingLists:
             self.scope.refuse(place, f"{found!r} is a list that a comprehension binds anew", help=_REBOUND)
 
     def statement(self, statement: AST, loops: list[AST]) -> list[AST]:
-        appended = _appended(statement)
+        appended = appended_list(statement)
         if appended in self.made:
             count = self.counts[appended]
             item = statement.value.args[0]
             item = call(_LIST, item) if isinstance(item, Name) and item.id in self.made else marked(item)
-            known = self.sizes.get(appended) is not None
+            known = self.sizes.get(appended) is not None and appended not in self.popped
             place = known and self.append_index(appended, loops) or name(count)
             return [assign(index(name(appended), place), self.read(item)), augment(count, Add(), const(1))]
         target = statement.targets[0] if isinstance(statement, Assign) else None
         if isinstance(target, Subscript) and isinstance(target.value, Name) and target.value.id in self.made:
             return [assign(self.read(target), self.read(marked(statement.value)))]
+        if id(statement) in self.refills:
+            return self.filled(self.refills[id(statement)], list(map(marked, statement.value.elts)))
+        if popped_list(statement) in self.made:
+            taken = popped_list(statement) or ""
+            return self.pop(statement, taken) if isinstance(statement, Assign) else self.filled(taken, [])
         bound = next((n for n, s in self.made.items() if s is statement), None)
         if bound is not None:
             return self.allocation(bound, statement)
@@ -191,11 +188,40 @@ class _GrowingLists:
         first: list[AST] = []
         if bound in self.escaping and not has_sizes(items[0]) and call_name(items[0]) not in MARKS:
             items[0] = self.scope.held(items[0], f"{bound}_first", first)      # whose sizes `list_allocation` takes
-        size = self.sizes[bound]
-        size = [growing_capacity(len(items)), const(True)] if size is None else [size]
-        made: list[AST] = [*first, assign(bound, call(LISTED, *size))]
-        made += [assign(index(name(bound), const(k)), self.read(item)) for k, item in enumerate(items)]
+        size, reused = self.sizes[bound], [const(True)] if self.is_reused(bound) else []
+        longest = max([len(items), *(len(s.value.elts) for s in bindings_of(self.tree, bound))])
+        sizes = [growing_capacity(longest), const(True)] if size is None else [size, const(False)][:1 + len(reused)]
+        return [*first, assign(bound, call(LISTED, *sizes, *reused)), *self.filled(bound, items)]
+
+    def filled(self, bound: str, items: list[AST]) -> list[AST]:
+        """What a list starts with, in its array."""
+        made: list[AST] = [assign(index(name(bound), const(k)), self.read(item)) for k, item in enumerate(items)]
+        made += [assign(self.firsts[bound], const(0))] if bound in self.firsts else []
         return [*made, assign(self.counts[bound], const(len(items)))]
+
+    def is_reused(self, bound: str) -> bool:
+        """Whether places of the array are filled again."""
+        return bound in self.popped or bound in self.refills.values()
+
+    def pop(self, statement: Assign, popped: str) -> list[AST]:
+        """An item of a list that has one, which is no longer in it."""
+        first, count = self.firsts.get(popped), self.counts[popped]
+        error = Raise(call("builtins.IndexError", const("pop from empty list")), None)
+        empty = compare(name(count), Eq(), const(0) if first is None else name(first))
+        at_first = is_first(statement)
+        place = name(first) if at_first and first else sub(name(count), const(1))
+        return [If(empty, [error], []), assign(copy(statement.targets[0]), index(name(popped), place)),
+                augment(first, Add(), const(1)) if at_first and first else augment(count, Sub(), const(1))]
+
+    def length(self, listed: str) -> AST:
+        """How long a list is."""
+        count = name(self.counts[listed])
+        return sub(count, name(self.firsts[listed])) if listed in self.firsts else count
+
+    def items(self, listed: str) -> AST:
+        """The part of its array that a list is."""
+        first = name(self.firsts[listed]) if listed in self.firsts else None
+        return index(name(listed), Slice(first, name(self.counts[listed]), None))
 
     # -- reading -----------------------------------------------------------------------------------------------------
 
@@ -205,7 +231,8 @@ class _GrowingLists:
     def test(self, node: AST) -> AST:
         """A test, in which a list is true if something is in it."""
         if isinstance(node, Name) and node.id in self.made:
-            return at(compare(name(self.counts[node.id]), Gt(), const(0)), node)
+            first = name(self.firsts[node.id]) if node.id in self.firsts else const(0)
+            return at(compare(name(self.counts[node.id]), Gt(), first), node)
         if isinstance(node, UnaryOp) and isinstance(node.op, Not):
             return at(UnaryOp(Not(), self.test(node.operand)), node)
         if isinstance(node, BoolOp):
@@ -218,11 +245,10 @@ class _GrowingLists:
         if isinstance(node, Subscript) and isinstance(node.value, Name) and node.value.id in self.made:
             return self.element(node)
         if call_name(node) == "builtins.len" and isinstance(node.args[0], Name) and node.args[0].id in self.made:
-            return at(name(self.counts[node.args[0].id]), node)
+            return at(self.length(node.args[0].id), node)
         if call_name(node) in _EXTREME and len(node.args) == 1 and not node.keywords and isinstance(
                 node.args[0], Name) and node.args[0].id in self.made:
-            items = index(node.args[0], Slice(None, name(self.counts[node.args[0].id]), None))
-            return at(call(_EXTREME[call_name(node) or ""], items), node)
+            return at(call(_EXTREME[call_name(node) or ""], self.items(node.args[0].id)), node)
         if isinstance(node, Call) and makes_view(node) and base_name(node.args[0]) in self.made and id(
                 node.args[0]) in self.as_arrays:
             return self.new_array(node)
@@ -235,7 +261,7 @@ class _GrowingLists:
             if id(node) not in self.as_arrays:
                 self.scope.refuse(node, f"the list {node.id!r} is used as a list",
                                   help="make it an array with np.array")
-            return at(index(name(node.id), Slice(None, name(self.counts[node.id]), None)), node)
+            return at(self.items(node.id), node)
         return None
 
     def new_array(self, node: Call) -> AST:
@@ -250,7 +276,7 @@ class _GrowingLists:
         """An element of a list, counted from the end where its index is negative."""
         place, count = indices(node)[0], name(self.counts[node.value.id])
         if isinstance(place, Slice) and id(node) in self.as_arrays and id(node) not in self.changed_inside:
-            return at(index(index(name(node.value.id), Slice(None, count, None)), self.read(place)), node)
+            return at(index(self.items(node.value.id), self.read(place)), node)
         if len(indices(node)) > 1 or isinstance(place, Slice):
             self.scope.refuse(node, "a part of a list", help=HELP)
         if isinstance(place, UnaryOp) and isinstance(place.op, USub) and isinstance(place.operand, Constant):
@@ -258,33 +284,8 @@ class _GrowingLists:
         else:
             found = self.read(place)
             if not self.intervals.is_nonnegative(place):
-                found = index_of(found, copy(count)) if impure(found) else negative_indices(found, copy(count))
+                length = self.length(node.value.id)
+                found = index_of(found, length) if impure(found) else negative_indices(found, length)
+            found = add(name(self.firsts[node.value.id]), found) if node.value.id in self.firsts else found
         array = filled_part(node.value, copy(count)) if isinstance(node.ctx, Store) else node.value
         return at(index(array, found), node)
-
-
-def _as_arrays(tree: FunctionDef) -> set[int]:
-    """The occurrences of names at which a list may be an array of its items."""
-    found: set[int] = set()
-    for node in walk(tree.body):
-        called = call_name(node) or ""
-        if called.startswith("numpy.") or called in _READING or called in MARKS:
-            arguments = [*node.args, *(k.value for k in node.keywords)]
-            found |= {id(n) for a in arguments for n in (a.elts if isinstance(a, (Tuple, List)) else [a])}
-        elif isinstance(node, For):
-            found.add(id(node.iter))
-        elif isinstance(node, Subscript):
-            found |= {id(n) for n in indices(node)}
-        elif _appended(node):
-            found.add(id(node.value.args[0]))
-    return found
-
-
-def _changed_inside(tree: FunctionDef) -> set[int]:
-    """The parts of lists that loops go through which append to these or store into them."""
-    found: set[int] = set()
-    for loop in walk(tree.body):
-        parts = [n for n in walk(loop.iter) if isinstance(n, Subscript)] if isinstance(loop, For) else []
-        changed = {n for s in walk(loop.body) for n in (_appended(s), *map(base_name, targets(s)))} if parts else ()
-        found |= {id(n) for n in parts if base_name(n) in changed}
-    return found

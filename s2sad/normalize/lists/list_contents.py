@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 from s2sad.evaluate.effects import Memory, bindings, fresh_value
 from s2sad.infer.inference import Typing
-from s2sad.infer.list_arrays import LISTED, list_arrays, stored_list
+from s2sad.infer.list_arrays import LISTED, is_reused, list_arrays, stored_list
 from s2sad.liveness import base_name
 from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.normalize.lists.capacity import Appended, own_parts
@@ -130,8 +130,8 @@ class ListContents:
         shared = [s for s in self.stores[listed] if self.is_shared(s)]
         if not shared:
             return None
-        own, filling = self.views_of({listed}), {id(s) for s in self.stores[listed]}
-        writing = [s for s in walk(self.function.body) if id(s) not in filling and self.stored_arrays(s) & own]
+        own = self.views_of({listed})
+        writing = self.writing(listed, own)
         if writing and self.is_repeated(listed):
             return writing[0]
         kept = [self.views_of({s.value.id}) if self.is_fresh(s) and isinstance(s.value, Name)
@@ -147,8 +147,18 @@ class ListContents:
     def replaced_element(self, listed: str) -> AST | None:
         """The first store of another array in place of an element whose name is read later."""
         parts = {n for n in self.views_of({listed}) if self.typing.of(name(n)).rank < self.typing.of(name(listed)).rank}
-        return next((s for s in self.stores[listed] if isinstance(s.targets[0].value, Subscript)
+        reused = is_reused(self.made[listed])
+        return next((s for s in self.stores[listed] if (reused or isinstance(s.targets[0].value, Subscript))
                      and parts & self.uses.after[id(s)]), None)
+
+    def is_written(self, listed: str) -> bool:
+        """Whether something is stored into what a list holds."""
+        return bool(self.writing(listed, self.views_of({listed})))
+
+    def writing(self, listed: str, own: set[str]) -> list[AST]:
+        """What stores into one of the arrays, and does not put one into the list."""
+        filling = {id(s) for s in self.stores[listed]}
+        return [s for s in walk(self.function.body) if id(s) not in filling and self.stored_arrays(s) & own]
 
     def stored_arrays(self, statement: AST) -> set[str]:
         """The arrays that a statement stores into."""

@@ -39,7 +39,7 @@ def copies_in_tuples(function: FunctionDef, context: NormalContext) -> None:
             u = np.zeros(2)
             ts = []
             for k in range(n):
-                ts.append((u, x))
+                ts.append([u, x])
             u[0] = x[0]
             return ts[0][0][0]
 

@@ -21,14 +21,15 @@ from s2sad.liveness import base_name
 from s2sad.normalize.lists.list_contents import HELP, ListContents, Writes, counter_offset, stored_into_later
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Break, Compare, Constant, FloorDiv, For, FunctionDef, Mult, Name,
-    Slice, Store, Sub, Subscript, add, assign, at, call_name, const, copy, dump, index, indices, names, stored_names,
-    sub, walk, walk_statements, with_body,
+    Slice, Store, Sub, Subscript, add, assign, at, call, call_name, const, copy, dump, index, indices, names, rebuild,
+    stored_names, sub, walk, walk_statements, with_body,
 )
 
 
 def lists_of_views(function: FunctionDef, typing: Typing, memory: Memory, writes: Writes,
                    report: Report) -> FunctionDef:
     """The function with those views; refuses the lists that would have to be one and cannot."""
+    function = _with_copied_elements(function, ListContents(function, typing, writes))
     contents = ListContents(function, typing, writes)
     pass_ = _Views(contents)
     diverging: dict[str, tuple[str, AST, str]] = {}
@@ -51,6 +52,26 @@ def lists_of_views(function: FunctionDef, typing: Typing, memory: Memory, writes
         if any(other not in views for other in contents.related(listed)):
             report.error("S201", message, place, help=help)
     return with_body(function, pass_.with_views(function.body, views))
+
+
+def _with_copied_elements(function: FunctionDef, contents: ListContents) -> FunctionDef:
+    """The function in which a name of an element is one of a copy, where another array takes its place while the name
+    is used; not where what the list holds is written.
+
+        v = us[us_count - 1]            v = np.copy(us[us_count - 1])
+        us_count -= 1                   us_count -= 1
+        us[us_count] = 0.5 * v          us[us_count] = 0.5 * v
+        us[us_count + 1] = 0.3 * v      us[us_count + 1] = 0.3 * v
+    """
+    replaced = {n for n in contents.stores if contents.replaced_element(n) is not None and not contents.is_written(n)}
+
+    def change(node: AST) -> AST | None:
+        if not isinstance(node, Assign) or not isinstance(node.value, Subscript) or not isinstance(
+                node.targets[0], Name) or base_name(node.value) not in replaced or any(
+                isinstance(i, Slice) for i in indices(node.value)) or not contents.typing.of(node.value).is_array:
+            return None
+        return at(assign(node.targets[0].id, call("numpy.copy", copy(node.value))), node)
+    return rebuild(function, change) if replaced else function
 
 
 class _Views:

@@ -164,9 +164,6 @@ def cases():
     for kernel in (descended, of_one_element):
         for x in (X[:1].copy(), X[:0].copy(), X.astype("float32"), 0.7):
             yield Case(kernel, (x, 3), ("x",))
-    for kernel in (bound_anew_on_the_way, under_two_names, appended_and_bound_anew):
+    for kernel in (bound_anew_on_the_way, under_two_names, appended_and_bound_anew,
+                   picked_by_a_variable):
         yield Case(kernel, (X,), "x")
-    # refused
-    yield Case(picked_by_a_variable, (X,), of=None, refused=(
-        "S201 at `[w * w for w in ws]`: 'ws' is bound to another list: pick its elements by written numbers, or in "
-        "loops through it, and give it no second name; or allocate an array before and fill it in a for loop"))

@@ -192,4 +192,5 @@ def cases():
     for n in (1, 3, 7):
         yield Case(structure_of_each_exit, (X, n), ("x",))
     for kernel in (structure_under_two_names, one_of_two_structures):
-        yield Case(kernel, (X, 4), ("x",), refused="S201 at `q`: 'q' is bound on one way only")
+        yield Case(kernel, (X, 4), ("x",), refused=(
+            "S201 at `q`: 'q' is bound on one way only: bind it before the branch or the loop, too"))

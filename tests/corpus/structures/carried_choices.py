@@ -323,7 +323,8 @@ def cases():
         yield Case(kernel, (np.array([0.91, 0.3, 0.5, 0.2, 0.7, 1.2, 0.1]),), "x")
     yield Case(the_tuple_before, (np.array([0.1, 0.7, 1.2, 0.2, 0.5, 0.3, 0.91]),), "x")
     yield Case(one_in_another, (np.array([0.1, 0.7, 1.2, 0.2, 0.5, 0.3, 0.91]),), "x")
-    yield Case(bound_on_some_ways, (np.array([0.9, 0.5]),), refused="S201 at `t`: 't' is bound on one way only")
+    yield Case(bound_on_some_ways, (np.array([0.9, 0.5]),), refused=(
+        "S201 at `t`: 't' is bound on one way only: bind it before the branch or the loop, too"))
     yield Case(each_with_each_other, (np.array([0.9, 0.5]),), refused=(
         "S201 at `d`: statements that read one of several things would be evaluated over 1000 times, once for each "
         "combination: read of each what is needed into arrays or numbers first"))

@@ -11,6 +11,7 @@ Without it `last` would be one with `i`, which goes on where the inner loop has 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
@@ -40,6 +41,22 @@ def close_names(ev: Evaluator, loop: Any, head: Objects, ends: Sequence[Objects]
                 loop.homes[n, key] = ev.fresh(str(key))
                 found = True
     return found
+
+
+def forget_own_names(ev: Evaluator, head: Objects, ends: Sequence[Objects], origin: AST, f: Frame) -> None:
+    """Takes out of the states at the ends of a round the names of objects that each round binds before it reads them,
+    and nothing reads outside: `old = new` leaves one name for the object."""
+    n = f.reference.number
+    there = head[n].items if n in head else {}
+    bound = {k for objects in ends if n in objects for k, v in objects[n].items.items()
+             if k not in there and isinstance(k, str) and isinstance(v, Reference)
+             and objects[v.number].kind in ("record", "dict") and ev.heap.holders(v, objects) > 1}
+    if not bound:
+        return
+    inner = [m for m in tree.walk(origin) if type(m).__name__ in ("FunctionDef", "Lambda", "GeneratorExp", "ClassDef")]
+    own = bound - read_outside(ev, n, bound, origin, f) - {m.id for m in tree.walk(inner) if isinstance(m, tree.Name)}
+    for objects in ends if own else ():
+        objects[n] = replace(objects[n], items={k: v for k, v in objects[n].items.items() if k not in own})
 
 
 def _leaf_names(objects: Objects, value: Value) -> Iterator[str]:

@@ -73,8 +73,8 @@ def shape(ev: Evaluator, objects: Objects, value: Value) -> Any:
         return ("data", value.known if special else "")
     if isinstance(value, Reference):
         held = objects.get(value.number)
-        if held is None or held.kind in ("frame", "class") or held.path or held.live is not None or ev.heap.holders(
-                value, objects) > 1:
+        if held is None or held.kind in ("frame", "class") or held.path or held.live is not None or not ev.is_listed(
+                value) and ev.heap.holders(value, objects) > 1:
             return value            # others hold it: it stays the one that it is
         return (held.kind, held.made, tuple((k, shape(ev, objects, v)) for k, v in held.items.items()))
     if isinstance(value, Choice):
@@ -117,8 +117,8 @@ def placed(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AST
     if isinstance(home, str):
         node = tree.at(tree.name(str(home)), origin)
         known = () if isinstance(home, NumberName) else None
-        return Data(node, demands=value.demands, is_list=value.is_list, shape=known) if isinstance(value, Data) else (
-            Data(node))
+        return Data(node, demands=value.demands, is_list=value.is_list, rows=value.rows, shape=known) if isinstance(
+            value, Data) else Data(node)
     inner = _parts(objects, value) or []
     items = {k: placed(ev, objects, v, home[k], origin, into) for k, v in inner}
     if isinstance(value, TupleValue):

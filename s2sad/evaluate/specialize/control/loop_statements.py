@@ -201,7 +201,9 @@ def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> ResidualLoop:
     if not all(isinstance(n, (tree.Name, tree.Tuple, tree.List)) for n in tree.walk(s.target)):
         raise ev.unknown(s.target, "a loop over items of a structure")
     sequence = counted_sequence(ev, through, s.iter)
+    before = ev.snapshot()
     counting = _counting_name(s.target, sequence.item(tree.name("")))
+    ev.restore(before)
     own = _own_targets(ev, names, s, f)
     loops: list[ResidualLoop] = []
 

@@ -16,7 +16,9 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unbound, Unevaluated
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.control.joined_names import Way, parallel, plainly_named, same_things
-from s2sad.evaluate.specialize.control.loop_closed_names import close_names, frames_around, read_outside
+from s2sad.evaluate.specialize.control.loop_closed_names import (
+    close_names, forget_own_names, frames_around, read_outside,
+)
 from s2sad.evaluate.specialize.control.loop_homes import (
     ChoiceHome, Move, at_once, choice_home, home_of, moved, names_of, placed, shape, size,
 )
@@ -36,6 +38,7 @@ class ResidualLoop:
     start: Objects
     is_endless: bool = False        # jumps alone leave it
     homes: Homes = field(default_factory=dict)
+    listed: set[tuple[int, Any]] = field(default_factory=set)       # those whose objects a residual list holds
     exits: list[tuple[AST, list[AST], Objects]] = field(default_factory=list)   # a jump, its block, its heap
     place: int = 0                  # on the stack of pending work
     goals: list[int] = field(default_factory=list)          # marks outside that it is left for
@@ -107,6 +110,7 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
             del ev.pending[depth[0]:], ev.loops[depth[1]:]
         body = ev.block
         ends = [*([ev.heap.objects] if falls else []), *(objects for _, _, objects in loop.exits)]
+        forget_own_names(ev, head, ends, origin, f)
         names, ev.names = ev.names, before.names.copy()
         ev.names.taken |= loop.home_names()
         if not _settle(ev, loop, head, ends, origin) and not close_names(ev, loop, head, ends, origin, f):
@@ -132,7 +136,7 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
     after = {**head, **{n: o for n, o in last.items() if n not in head}}
     for (n, key), home in loop.homes.items():
         old = loop.start[n].items.get(key, NONE)
-        value = placed(ev, loop.start, old, home, origin, after)
+        value = ev.as_listed(placed(ev, loop.start, old, home, origin, after), after, (n, key) in loop.listed)
         after[n] = _with(after[n], key, _known_on_exits(value, [o[n].items[key] for _, _, o in loop.exits])
                          if loop.is_endless else value)
     ev.heap.objects = {**after, **late.found}
@@ -244,7 +248,8 @@ def _at_home(ev: Evaluator, loop: ResidualLoop, prelude: list[AST], origin: AST)
         if isinstance(old, Data) and old.may_be_unbound and old.name != home:
             raise ev.refusal(origin, f"'{key}' is bound on some ways only before this loop", help="bind it on all")
         moves += moved(ev, loop.start, old, home, origin)
-        ev.heap.put(Reference(n), key, placed(ev, loop.start, old, home, origin, ev.heap.objects))
+        value = placed(ev, loop.start, old, home, origin, ev.heap.objects)
+        ev.heap.put(Reference(n), key, ev.as_listed(value, ev.heap.objects, (n, key) in loop.listed))
     prelude += at_once(ev, moves, origin)
 
 
@@ -268,6 +273,17 @@ def _moves(ev: Evaluator, loop: ResidualLoop, objects: Objects, origin: AST, kep
     return [*parallel(list(dict(saved).items()), origin), *at_once(ev, found, origin)]
 
 
+def residual_site(ev: Evaluator, *held: tuple[Objects, Value]) -> Any:
+    """The site of a list that must be one at run time, as what takes its place is, or has another length; None of
+    other values."""
+    lists = [o.get(v.number) for o, v in held if isinstance(v, Reference)]
+    own = [found for found in lists if found is not None and found.kind == "list"]
+    residual = sum(isinstance(v, Data) and v.is_list for _, v in held)
+    if len(own) + residual < len(held) or not residual and len({len(found.items) for found in own}) == 1:
+        return None
+    return next((found.site for found in own if found.site is not None and id(found.site) not in ev.sites), None)
+
+
 def _settle(ev: Evaluator, loop: ResidualLoop, head: Objects, ends: Sequence[Objects], origin: AST) -> bool:
     """Gives homes to slots that a round changes; whether there are new ones."""
     for objects in (loop.start, head, *ends):
@@ -275,21 +291,27 @@ def _settle(ev: Evaluator, loop: ResidualLoop, head: Objects, ends: Sequence[Obj
     found = False
     for end in ends:
         for n, held in head.items():
-            if end[n] is held:
-                continue
             if held.kind in ("list", "set", "dict") and list(end[n].items) != list(held.items) or (
                     held.kind == "record" and held.items.keys() != end[n].items.keys()):
                 raise ev.unknown(origin, f"'{held.label or 'a ' + held.kind}' is another structure after each round",
                                  help="make it before the loop, and assign its items", site=held.site)
-            if n not in loop.start:     # what a slot with a home has there, which says where its items go
+    for end in ends:
+        for n, held in head.items():
+            if end[n] is held or n not in loop.start:   # a slot with a home says where the items of what it has go
                 continue
             for key, old in held.items.items():
                 new = end[n].items[key]
                 if alike(old, new) or isinstance(old, Conflict):
                     continue
+                if ev.is_listed(new) and (n, key) not in loop.listed:
+                    loop.listed.add((n, key))
+                    found = True
                 first = loop.start[n].items.get(key, old)
                 had, wanted = loop.homes.get((n, key)), held.name_of(key)
                 before = shape(ev, loop.start, first) if had is None else shape(ev, head, old)
+                if (site := residual_site(ev, (loop.start, first), (end, new))) is not None:
+                    raise ev.unknown(origin, f"'{key}' is another list in each round", site=site,
+                                     help="make it before the loop, and assign its items")
                 if isinstance(had, ChoiceHome) or before != shape(ev, end, new):
                     if isinstance(new, Conflict) or wanted not in ev.choices and not isinstance(had, ChoiceHome):
                         error = ev.refusal(origin, f"'{key}' is another structure in each round")

@@ -23,6 +23,7 @@ from s2sad.evaluate.specialize.values import (
 from s2sad.evaluate.specialize.control.choice_joins import (
     Alternative, alternatives, are_functions, chosen_value, decided_again, is_chosen, maybe_unbound,
 )
+from s2sad.evaluate.specialize.sequences.listed_records import same_rows
 from s2sad.evaluate.specialize.control.joined_names import Merged, Objects, Way, same_things, settled_names
 from s2sad.evaluate.specialize.sparse.matrix_values import KINDS
 from s2sad.program import Fact
@@ -135,9 +136,11 @@ class Join:
             if isinstance(one, TupleValue):
                 return replace(one, items=tuple(items.values()))
             assert isinstance(one, Reference)
-            if all(self.ev.heap.holders(v, w.objects) == 1 for w, v in there if isinstance(v, Reference)):
+            listed = any(self.ev.is_listed(v) for _, v in there)
+            if listed or all(self.ev.heap.holders(v, w.objects) == 1 for w, v in there if isinstance(v, Reference)):
                 made = self.ev.heap.new(replace(there[0][0].objects[one.number], items=items, label=wanted))
                 self.found[made.number] = self.ev.heap.objects.pop(made.number)
+                self.ev.in_lists |= {made.number} if listed else set()
                 return made
         data = [(w, v) for w, v in there if isinstance(v, Data)]
         if len(data) < len(there) or any(v.is_known and not isinstance(v.known, (int, float)) for _, v in data):
@@ -145,7 +148,8 @@ class Join:
             if several and wanted in self.ev.choices and self._are_there(v for _, v in there) and len(
                     alternatives(self.ev.heap, [(w.objects, v) for w, v in there])[0]) > 1:
                 return self._choice(there, wanted)
-            return Conflict(f"'{wanted}' is bound on one way only", choice=wanted if several else "")
+            return Conflict(f"'{wanted}' is bound on one way only", choice=wanted if several else "",
+                            help="bind it before the branch or the loop, too")
         name = data[0][1].name
         if name and all(v.name == name and uses(w.objects, name) == 1 for w, v in data):
             return replace(data[0][1], known=UNKNOWN, may_be_unbound=True)
@@ -178,7 +182,8 @@ class Join:
             new = self.ev.fresh(wanted)
         if not new and self.merged is not None:
             self.merged.append(Merged(f"?{len(self.merged)}", wanted, data))
-            return Data(tree.at(tree.name(self.merged[-1].name), self.origin), is_list=any(v.is_list for _, v in data))
+            return Data(tree.at(tree.name(self.merged[-1].name), self.origin), is_list=any(v.is_list for _, v in data),
+                        rows=same_rows(v for _, v in data))
         new = new or self.ev.fresh(wanted)
         for (way, v), test in zip_longest(data, tests):
             if v.name != new:
@@ -186,7 +191,7 @@ class Join:
                 way.block.append(tree.at(tree.If(tree.copy(test), [move], []), self.origin) if (
                     test and v.may_be_unbound) else move)
         return Data(tree.at(tree.name(new), self.origin), may_be_unbound=bool(partly),
-                    is_list=any(v.is_list for _, v in data))
+                    is_list=any(v.is_list for _, v in data), rows=same_rows(v for _, v in data))
 
     def meet(self, values: Sequence[Value], wanted: str) -> Value:
         """One value for those of all ways."""
@@ -250,7 +255,7 @@ class Join:
         maybe = any(v.may_be_unbound for v in values)
         if len({v.name for v in values}) == 1 and values[0].name:
             return Data(values[0].node, demands=demands, shape=kept, origins=origins, may_be_unbound=maybe,
-                        is_list=any(v.is_list for v in values))
+                        is_list=any(v.is_list for v in values), rows=same_rows(values))
         found = self._one_name(list(zip(self.ways, values)), wanted)
         return replace(found, demands=demands, shape=kept, origins=origins) if isinstance(found, Data) else found
 
@@ -260,7 +265,9 @@ class Join:
             return self.made[key]
         held = [w.objects.get(v.number) for w, v in zip(self.ways, values)]
         objects = [h for h in held if h is not None]
-        alone = all(self.ev.heap.holders(v, w.objects) <= 1 for w, v in zip(self.ways, values))     # none of a result's
+        listed = all(map(self.ev.is_listed, values))        # which nothing changes: a copy is as good
+        alone = listed or all(
+            self.ev.heap.holders(v, w.objects) <= 1 for w, v in zip(self.ways, values))     # none of a result's
         one = objects[0]
         alike_made = len(objects) == len(values) and all(
             (h.kind, h.made, tuple(h.items)) == (one.kind, one.made, tuple(one.items)) for h in objects)
@@ -269,6 +276,7 @@ class Join:
         if one.kind in KINDS and not all(alike(one.items["shape"], h.items["shape"]) for h in objects):
             return Conflict(f"'{wanted}' is a sparse matrix of one shape on one way and of another on another")
         made = self.made[key] = self.ev.heap.new(replace(one, items={}, label=wanted))
+        self.ev.in_lists |= {made.number} if any(map(self.ev.is_listed, values)) else set()
         del self.ev.heap.objects[made.number]
         items = {k: self.meet([h.items[k] for h in objects], f"{wanted}_{k}") for k in one.items}
         self.found[made.number] = replace(one, items=items, label=wanted)

@@ -102,7 +102,9 @@ def _is_short(ev: Evaluator, value: Data, node: AST, f: Frame) -> bool:
 def _deque(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
     most = [ev.known(a, node, "the length of a deque") for a in (*args[1:], *options.values())]
     items = ev.items_of(args[0], node, f) if args else []
-    made = ev.heap.new(Object("list", {}, most=most[0] if most else None))
+    if not most or most[0] is None:
+        return ev.list_of(items, node)
+    made = ev.heap.new(Object("list", {}, most=most[0]))
     ev.replace_items(made, items, node)
     return made
 

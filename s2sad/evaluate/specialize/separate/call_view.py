@@ -20,7 +20,7 @@ from s2sad.evaluate.specialize.values import (
     ClassValue, Conflict, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, OpaqueValue,
     Reference, ScopeValue, SliceValue, SuperValue, TupleValue, Value, constant,
 )
-from s2sad.naming import Names
+from s2sad.naming import Names, identifier
 from s2sad.program import Fact
 
 _KINDS = ("record", "list", "dict", "set", "class")
@@ -167,7 +167,7 @@ class CallView:
             place = len(self.leaves)
             if value.name:
                 self._by_name[value.name] = place
-            own = self.names.numbered(wanted or value.name or "value")
+            own = self.names.numbered(identifier(wanted or value.name or "value"))
             inner = replace(value, node=tree.name(own))
             self.leaves.append(GivenLeaf(own, value, inner, self._depth > 0, self._position))
         elif self._depth > 0:

@@ -36,8 +36,8 @@ def container_method(ev: Evaluator, base: Value, name: str, args: list[Value], k
     if isinstance(base, Data):
         given = [TupleValue(tuple(ev.items_of(a, node, f))) if isinstance(a, (Iteration, Reference)) else a
                  for a in args]
-        if any(isinstance(a, OpaqueValue) for a in given) or name == "format" and not all(
-                isinstance(a, Data) and a.is_known for a in (*given, *keywords.values())):
+        formats = name == "format" and not all(isinstance(a, Data) and a.is_known for a in (*given, *keywords.values()))
+        if formats or any(isinstance(a, OpaqueValue) or isinstance(a, Data) and a.is_list for a in given):
             return OpaqueValue()
         found = getattr(base.known, name)(*(ev.known(a, node, "an argument of a method of a text") for a in given),
                                           **{k: ev.known(v, node, "an argument") for k, v in keywords.items()})

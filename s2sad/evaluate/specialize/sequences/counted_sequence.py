@@ -112,7 +112,7 @@ def refuse_changes(ev: Evaluator, value: Value, body: Sequence[AST], node: AST) 
 
 def _appends(node: AST, listed: str) -> bool:
     function = node.func if isinstance(node, tree.Call) else None
-    return isinstance(function, tree.Attribute) and function.attr == "append" and isinstance(
+    return isinstance(function, tree.Attribute) and function.attr in ("append", "pop", "clear") and isinstance(
         function.value, tree.Name) and function.value.id == listed
 
 
@@ -124,9 +124,10 @@ def _start(ev: Evaluator, given: Sequence[Value], node: AST) -> AST:
 
 
 def _array(ev: Evaluator, value: Data, node: AST) -> tuple[AST, Item]:
-    def item(k: AST) -> Data:
-        return Data(tree.at(tree.index(ev.spelled(value, node), k), node), demands=value.demands,
-                    shape=value.shape[1:] if value.shape else None, origins=value.origins)
+    def item(k: AST) -> Value:
+        found = Data(tree.at(tree.index(ev.spelled(value, node), k), node), demands=value.demands,
+                     shape=value.shape[1:] if value.shape else None, origins=value.origins)
+        return ev.listed_record(value, found, node)
     return tree.call("len", ev.spelled(value, node)), item
 
 

@@ -97,7 +97,8 @@ def _filled(ev: Evaluator, node: Any, f: Frame, reason: Unevaluated, first: Valu
     before = ev.snapshot()
     start, asked = len(ev.block), bool(reason.demands) and all(what == "value" for _, what in reason.demands)
     wanted = ev.wanted.get(node, ("items", node))[0]
-    made = ev.named(Data(tree.at(tree.List([], tree.Load()), node), is_list=True), wanted, node)
+    made = ev.named(Data(tree.at(tree.List([], tree.Load()), node), is_list=True, rows=ev.listed_records(node)), wanted,
+                    node)
     one = node.generators[0]
     try:
         first = first or ev.atoms(ev.gone_through(one.iter, f), "iterated", one.iter)
@@ -107,6 +108,8 @@ def _filled(ev: Evaluator, node: Any, f: Frame, reason: Unevaluated, first: Valu
             ev.statements([loops_of(ev, node, "filled", lambda: [
                 tree.at(tree.Expr(tree.Call(tree.attribute(tree.name(FILLED), "append"), [node.elt], [])), node.elt)
             ])], inner)
+        if reason.demands and ev.listed_records(node).form:
+            raise reason        # of objects, which are written out where facts can say how many there are
         if asked and ev.inlines and any(map(_computes, tree.walk(ev.block[start:]))):
             raise reason        # of integers that say what there is: items that are more than expressions
         return ev.heap.objects.pop(inner.reference.number).items[FILLED]

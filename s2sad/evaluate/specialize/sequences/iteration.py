@@ -27,9 +27,11 @@ def list_of(ev: Evaluator, items: Sequence[Value], origin: AST) -> Value:
     if id(origin) in ev.sites:
         if any(isinstance(i, Data) and isinstance(i.known, bool) for i in items):
             raise ev.refusal(origin, "a list of bools, of which a variable picks", help="make it an array")
-        made = tree.at(tree.List([ev.spelled_item(i, origin) for i in items], tree.Load()), origin)
+        rows = ev.listed_records(origin)
+        made = tree.at(tree.List([ev.spelled_item(ev.as_row(rows, i, origin), origin) for i in items], tree.Load()),
+                       origin)
         wanted, statement = ev.wanted.get(origin, ("items", origin))
-        return ev.named(Data(made, is_list=True), wanted, statement)
+        return ev.named(Data(made, is_list=True, rows=rows), wanted, statement)
     count = ev.counted(items, origin)
     held: dict[Hashable, Value] = {k: ev.atoms(v, "item", origin) for k, v in enumerate(items)}
     return ev.heap.new(Object("list", held, site=origin, count=count))
@@ -81,7 +83,8 @@ def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
     if not isinstance(value, Iteration):
         return _of_data(ev, value, node)
     if value.kind == "range":
-        span = range(*(ev.known(p, node, "the range of a loop") for p in value.parts))
+        span = range(*(ev.known(p, node, "how often a loop runs, of which each round is written out,")
+                       for p in value.parts))
         if len(span) > LARGEST_SEQUENCE:
             raise ev.refusal(node, f"a range of more than {LARGEST_SEQUENCE} numbers, each of which must be known "
                              "before the run", help="let it run over arrays")
@@ -145,7 +148,9 @@ def _of_data(ev: Evaluator, value: Value, node: AST) -> list[Value]:
     if isinstance(value, Data) and shape.is_known and shape.known:
         return [Data(tree.at(tree.index(ev.spelled(value, node), tree.const(k)), node), shape=tuple(shape.known[1:]))
                 for k in range(shape.known[0])]
-    raise ev.unknown(node, "how many items there are must be known before the run", shape)
+    listed = isinstance(value, Data) and value.is_list
+    raise ev.unknown(node, "how many items there are must be known before the run", shape, help=(
+        "go through it in a for loop whose body binds numbers and arrays alone" if listed else ""))
 
 
 @operation

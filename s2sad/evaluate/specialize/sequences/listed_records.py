@@ -1,0 +1,207 @@
+"""Objects, dicts and named tuples in a list whose length only the run knows: rows of what they hold.
+
+    events = []                                 events = []
+    while t < end:                              while t < end:
+        ...                                         ...
+        if y < 0:                                   if y < 0:
+            events.append(Event(t, v))                  events.append((t, v))
+    return sum(e.t * e.v for e in events)       ...     row[0] * row[1]
+
+What is put there and what is taken out is changed by nothing from then on, so that a copy of it is as good. What all of
+them share, a text or an object that was there before, is no part of a row. Of texts that differ, as lines of a log, a
+derivative knows how many there are and no more.
+"""
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.values import (
+    FACTORY, Data, OpaqueValue, Reference, TupleValue, Value, alike, constant, parts,
+)
+from s2sad.tree import AST
+
+_ROW = "a row"      # the form of a number or an array: it has a place in the row
+_TEXT = "a text"    # of which derivatives know nothing
+
+
+@dataclass(frozen=True)
+class _Form:
+    """What an object is made of: `keys` with the forms of what they hold; `shared` is what all have."""
+    kind: str
+    made: Any = None
+    keys: tuple[Any, ...] = ()
+    inner: tuple[Any, ...] = ()
+    shared: Value | None = None
+
+
+@dataclass(eq=False)
+class ListedRecords:
+    """What the items of the lists of one site are made of, once one is there; "" of numbers, arrays and tuples."""
+    form: Any = None
+    is_read: bool = False
+
+
+@operation
+def listed_records(ev: Evaluator, origin: AST) -> ListedRecords:
+    """What the items of the lists that are made at a place are made of."""
+    return ev.row_forms.setdefault(id(origin), ListedRecords())
+
+
+def same_rows(values: Iterable[Data]) -> ListedRecords | None:
+    """What the items are made of of a list that is one of several."""
+    found = [v.rows for v in values]
+    return found[0] if all(r is found[0] for r in found) else None
+
+
+@operation
+def as_row(ev: Evaluator, rows: ListedRecords | None, value: Value, node: AST) -> Value:
+    """What is put into such a list in place of an object: the tuple of what it holds; any other value is itself."""
+    is_text = isinstance(value, OpaqueValue) or isinstance(value, Data) and isinstance(value.known, str)
+    if not _has_records(ev, value) and not is_text:
+        form: Any = ""
+    elif rows is None:
+        raise ev.unknown(node, "an object is put into a list that is one of several", help="give the lists names of "
+                         "their own")
+    else:
+        form = _TEXT if is_text else _form(ev, value)
+    if rows is not None:
+        known = form if rows.form is None else rows.form if rows.is_read else _merged(rows.form, form)
+        rows.form, form = known, _merged(form, known)
+        if not _same(known, form):
+            raise ev.refusal(node, "objects that hold different things are put into one list whose length only the run "
+                             "knows", help="give each the same attributes, or keep a list for each kind")
+    if form == "":
+        return value
+    if form == _TEXT:
+        return constant(0)
+    if not (leaves := [*_leaves(ev, value, form)]):
+        raise ev.unknown(node, "one object is put into a list again and again",
+                         help="make a new one in each round of the loop")
+    return TupleValue(tuple(ev.atoms(v, "item", node) for v in leaves))
+
+
+@operation
+def listed_record(ev: Evaluator, listed: Data, item: Data, node: AST) -> Value:
+    """The object that an item of a list stands for; the item itself of a list of numbers, arrays and tuples."""
+    form = listed.rows.form if listed.is_list and listed.rows is not None else None
+    if listed.rows is not None:
+        listed.rows.is_read = True
+    if not form:
+        return item
+    if form == _TEXT:
+        return OpaqueValue("a text of a list whose length only the run knows")
+    row = ev.named(item, "row", node)
+    return _built(ev, form, row, iter(range(len([*_places(form)]))), node)
+
+
+@operation
+def is_listed(ev: Evaluator, value: Value) -> bool:
+    """Whether a value is an object that a list of the residual program holds: it must not be changed."""
+    return isinstance(value, Reference) and value.number in ev.in_lists or any(is_listed(ev, p) for p in parts(value))
+
+
+@operation
+def as_listed(ev: Evaluator, value: Value, objects: Mapping[int, Object], listed: bool) -> Value:
+    """The value, whose objects must not be changed if they are `listed`."""
+    if listed and isinstance(value, Reference) and value.number not in ev.in_lists:
+        ev.in_lists.add(value.number)
+        for inner in objects[value.number].items.values():
+            as_listed(ev, inner, objects, True)
+    for inner in parts(value):
+        as_listed(ev, inner, objects, listed)
+    return value
+
+
+def _has_records(ev: Evaluator, value: Value) -> bool:
+    if isinstance(value, TupleValue):
+        return value.made is not None or any(_has_records(ev, i) for i in value.items)
+    return isinstance(value, Reference) and ev.heap[value].kind in ("record", "dict")
+
+
+def _form(ev: Evaluator, value: Value) -> Any:
+    """What a value is made of."""
+    if isinstance(value, Data) and not (value.is_known and (value.known is None or isinstance(value.known, str))):
+        return _ROW
+    if isinstance(value, OpaqueValue):
+        return _TEXT
+    if isinstance(value, TupleValue):
+        return _Form("tuple", value.made, inner=tuple(_form(ev, i) for i in value.items))
+    held = ev.heap[value] if isinstance(value, Reference) else None
+    loop = next((one for one in reversed(ev.loops) if not isinstance(one, tuple)), None)
+    made_before = loop is not None and isinstance(value, Reference) and value.number in loop.start
+    if held is None or made_before or held.kind not in ("record", "dict", "list") or held.live is not None or (
+            held.path or held.most is not None or FACTORY in held.items):
+        return _Form("shared", shared=value)
+    return _Form(held.kind, held.made, tuple(held.items), tuple(_form(ev, i) for i in held.items.values()))
+
+
+def _merged(one: Any, other: Any) -> Any:
+    """The first of two forms, in which texts are any that differ between them."""
+    if _is_text(one) and _is_text(other):
+        return one if _same(one, other) else _TEXT
+    if not isinstance(one, _Form) or not isinstance(other, _Form) or len(one.inner) != len(other.inner):
+        return one
+    return replace(one, inner=tuple(map(_merged, one.inner, other.inner)))
+
+
+def _is_text(form: Any) -> bool:
+    return form == _TEXT or isinstance(form, _Form) and isinstance(form.shared, Data) and isinstance(
+        form.shared.known, str)
+
+
+def _same(one: Any, other: Any) -> bool:
+    if not isinstance(one, _Form) or not isinstance(other, _Form):
+        return one == other
+    if one.shared is not None or other.shared is not None:
+        return one.shared is not None and other.shared is not None and alike(one.shared, other.shared)
+    return (one.kind, one.made, one.keys) == (other.kind, other.made, other.keys) and len(one.inner) == len(
+        other.inner) and all(map(_same, one.inner, other.inner))
+
+
+def _leaves(ev: Evaluator, value: Any, form: Any) -> Iterator[Value]:
+    """The numbers and arrays that a value holds; nothing may change it from now on."""
+    if form == _ROW:
+        yield value
+    elif form == _TEXT:
+        return
+    elif form.kind == "tuple":
+        for item, inner in zip(value.items, form.inner):
+            yield from _leaves(ev, item, inner)
+    elif form.kind == "shared":
+        if isinstance(value, Reference):
+            ev.in_lists.add(value.number)
+    else:
+        ev.in_lists.add(value.number)
+        for item, inner in zip(ev.heap[value].items.values(), form.inner):
+            yield from _leaves(ev, item, inner)
+
+
+def _places(form: Any) -> Iterator[None]:
+    if form == _ROW:
+        yield None
+    elif form != _TEXT:
+        for inner in form.inner:
+            yield from _places(inner)
+
+
+def _built(ev: Evaluator, form: Any, row: Data, places: Iterator[int], node: AST, wanted: str = "item") -> Value:
+    """An object of what a row holds."""
+    if form == _ROW:
+        return ev.named(Data(tree.at(tree.index(tree.copy(row.node), tree.const(next(places))), node)), wanted, node)
+    if form == _TEXT:
+        return OpaqueValue("a text of a list whose length only the run knows")
+    if form.kind == "shared":
+        return form.shared
+    keys = form.keys or range(len(form.inner))
+    items: dict[Hashable, Value] = {k: _built(ev, inner, row, places, node, f"{row.name}_{k}")
+                                    for k, inner in zip(keys, form.inner)}
+    if form.kind == "tuple":
+        return TupleValue(tuple(items.values()), form.made)
+    made = ev.heap.new(Object(form.kind, items, form.made, label=row.name))
+    ev.in_lists.add(made.number)
+    return made

@@ -1,0 +1,67 @@
+"""Methods of lists of the residual program, whose length only the run knows.
+
+    a, b = todo.pop()       ->      item = todo.pop()
+                                    a = item[0]
+                                    b = item[1]
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from s2sad import tree
+from s2sad.evaluate.specialize.evaluation_state import Frame
+from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.values import NONE, Data, Value
+from s2sad.tree import AST
+
+_UNSUPPORTED = {
+    "insert": "append, and pick by an index; or make an array with np.concatenate",
+    "remove": "append what is to stay to another list",
+    "appendleft": "append, and read from the end: queue[-1], queue.pop()",
+    "reverse": "go through it backwards: reversed(items)",
+    "sort": "bind the sorted items to another name: ordered = sorted(items)",
+    "rotate": "keep a counter of the place where the list begins",
+}
+
+
+@operation
+def residual_list_method(ev: Evaluator, base: Data, name: str, args: Sequence[Value], node: AST, f: Frame
+                         ) -> Value | None:
+    """What such a method gives; None of one that is left as it is."""
+    if name == "extend" and len(args) == 1:
+        ev.extend_residual(base, args[0], node, f)
+        return NONE
+    if name in ("pop", "popleft"):
+        return _popped(ev, base, args[0] if args else Data(tree.const(-1), -1) if name == "pop" else Data(
+            tree.const(0), 0), node)
+    if name == "clear":
+        called = tree.Call(tree.attribute(tree.copy(base.node), "clear"), [], [])
+        ev.emit(tree.Expr(tree.at(called, node)), node, True)
+        return NONE
+    if name in _UNSUPPORTED:
+        raise ev.refusal(node, f".{name} of a list whose length is not known before the run", help=_UNSUPPORTED[name])
+    return None
+
+
+def _popped(ev: Evaluator, base: Data, place: Value, node: AST) -> Value:
+    """The first item or the last, which the list no longer has."""
+    if not isinstance(place, Data) or place.known not in (0, -1):
+        raise ev.refusal(node, "an item from within a list whose length is not known before the run is taken out",
+                         help="take the last one, pop(), or the first, pop(0)")
+    called = tree.Call(tree.attribute(tree.copy(base.node), "pop"), [tree.const(place.known)], [])
+    item = ev.fresh("item")
+    ev.emit(tree.assign(item, tree.at(called, node)), node, True)
+    return ev.listed_record(base, Data(tree.at(tree.name(item), node)), node)
+
+
+@operation
+def extend_residual(ev: Evaluator, old: Data, value: Value, s: Any, f: Frame) -> None:
+    """What `old += value` and `old.extend(value)` leave of a residual list, which stays the one that it is."""
+    if isinstance(value, Data):
+        raise ev.refusal(s, "a list whose length is not known before the run is changed in place",
+                         help="append to it item by item")
+    for item in ev.items_of(value, s, f):
+        added = ev.residual_call(tree.at(tree.attribute(tree.copy(old.node), "append"), s), [
+            Data(ev.spelled_item(ev.as_row(old.rows, item, s), s))], {}, s)
+        ev.emit(tree.Expr(added.node), s, True)
