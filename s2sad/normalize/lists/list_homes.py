@@ -24,8 +24,8 @@ from collections.abc import Callable, Set
 from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.normalize.lists.list_statements import appended_list, grown_lists
 from s2sad.tree import (
-    AST, Assign, Call, Expr, For, FunctionDef, If, List, Load, Name, While, assign, at, attribute, call, counted_for,
-    head_copy, index, name, rename, walk, walk_statements, with_body,
+    AST, Assign, Call, Expr, For, FunctionDef, If, List, Load, Name, Tuple, While, assign, at, attribute, call,
+    counted_for, head_copy, index, name, rename, walk, walk_statements, with_body,
 )
 
 
@@ -38,6 +38,7 @@ def list_homes(function: FunctionDef, grown: Set[str], fresh: Callable[[str], st
     if copied:
         function, more = _with_moved_items(_with_one_name(function, bound, copied), grown, fresh)
         grown = grown | more
+    function = _with_held_items(function, grown, fresh)
     several = [n for n in sorted(grown) if len(bindings_of(function, n)) > 1 or _is_carried(function, n)]
     for listed in several:
         if all(isinstance(s.value, List) for s in bindings_of(function, listed)) and not holds_lists(function, listed):
@@ -112,6 +113,29 @@ def _with_moved_items(function: FunctionDef, grown: Set[str], fresh: Callable[[s
     return with_body(function, block(function.body)), {s.targets[0].id for s in copied if id(s) in moved}
 
 
+def _with_held_items(function: FunctionDef, grown: Set[str], fresh: Callable[[str], str]) -> FunctionDef:
+    """The function in which what a list starts with is read before any of it is stored, as in `q = [q[-1], q[0]]`."""
+    def block(statements: list[AST]) -> list[AST]:
+        return [n for s in statements for n in held(s)]
+
+    def held(s: AST) -> list[AST]:
+        if not (isinstance(s, Assign) and isinstance(s.targets[0], Name) and s.targets[0].id in grown
+                and isinstance(s.value, List) and _mentions_any(s.value.elts, grown)):
+            return [_with_blocks(s, block)]
+        before: list[AST] = []
+        items = [name_of(item, before) for item in s.value.elts]
+        return [at(n, s) for n in (*before, Assign(s.targets, List(items, Load()), None))]
+
+    def name_of(item: AST, before: list[AST]) -> AST:
+        if isinstance(item, Tuple):
+            return Tuple([name_of(i, before) for i in item.elts], Load())
+        if not _mentions_any(item, grown):
+            return item
+        before.append(assign(kept := fresh("item"), item))
+        return name(kept)
+    return with_body(function, block(function.body))
+
+
 def _is_only_list(function: FunctionDef, bound: list[Assign], identifier: str, copied: list[Assign]) -> bool:
     """Whether a name is bound to lists that are spelled out, and to names of lists, alone."""
     own = [s for s in bound if s.targets[0].id == identifier]
@@ -158,6 +182,10 @@ def _with_home(function: FunctionDef, block: list[AST], listed: str) -> list[AST
 
 def _mentions(node: AST | list[AST], listed: str) -> bool:
     return any(isinstance(n, Name) and n.id == listed for n in walk(node))
+
+
+def _mentions_any(node: AST | list[AST], lists: Set[str]) -> bool:
+    return any(isinstance(n, Name) and n.id in lists for n in walk(node))
 
 
 def _with_blocks(statement: AST, change: Callable[[list[AST]], list[AST]]) -> AST:

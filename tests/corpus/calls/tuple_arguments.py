@@ -206,9 +206,23 @@ def written(x):
     return us[0]
 
 
+def of_two(a, b):
+    return a * b
+
+
+def of_rows(x):
+    s = 0.0
+    for row in x:
+        s += of_two(*row)
+    return s
+
+
 def cases():
     for kernel in (steps, arrays, lists, bound_again, parts, results, nested, subscripts):
         yield Case(kernel, (X,), ("x",))
     yield Case(numbers, (X, 1.5), ("x", "c"))
     for kernel in (from_rows, joined, written):
         yield Case(kernel, (X,), "x")
+    yield Case(of_rows, (np.ones((3, 2)),), ("x",))
+    yield Case(of_rows, (np.ones((2, 3)),), ("x",), refused=(
+        "S201 at `of_two(*row)`: 'of_two' takes 2 arguments, and is given 3"))

@@ -41,7 +41,21 @@ def quiet_in_a_loop(x):
     return t
 
 
+def compared(x):
+    s = f"{x[0]}"
+    return x[0] if s == "0.7" else x[1]
+
+
+def searched(x):
+    s = f"{x[0]}"
+    return x[0] if "7" in s else x[1]
+
+
 def cases():
     # gradients
     for kernel, arguments in ((texts, (V, 3)), (printed, (V, 3)), (quiet, (V,)), (quiet_in_a_loop, (V,))):
         yield Case(kernel, arguments, ("x",))
+    for kernel, place in ((compared, 's == "0.7"'), (searched, '"7" in s')):
+        yield Case(kernel, (V,), ("x",), refused=(
+            f"S201 at `{place}`: a text of what only the run knows is compared: keep a number that says the same, and "
+            "compare that"))

@@ -310,10 +310,52 @@ def rows_that_move(x):
     return best[1] * x[best[0]] + q[1][1] * q[2][1] * x[q[0][0]]
 
 
+def made_of_itself(x, n):
+    q, k = [x[0]], 0
+    while k < n:
+        if len(q) > 2:
+            q = [q[-1], q[0]]
+        q.append(x[2] * k)
+        k += 1
+    return q[0] + 2 * q[1]
+
+
+def made_of_its_sums(x, n):
+    q, k = [x[0]], 0
+    while k < n:
+        if len(q) > 2:
+            q = [x[3], sum(q), max(q)]
+        q.append(x[2] * k)
+        k += 1
+    return q[0] + 2 * q[1] + 3 * q[-1]
+
+
+def made_of_its_rows(x, n):
+    q, k = [x * 1.0], 0
+    while k < n:
+        if len(q) > 2:
+            first = q[0]
+            q = [q[-1], first]
+        q.append(x[2] * k * x)
+        k += 1
+    return np.sum(q[0] + 2 * q[1])
+
+
+def made_of_its_pairs(x, n):
+    q, k = [(x[0], x[1])], 0
+    while k < n:
+        if len(q) > 2:
+            q = [(q[-1][1], q[0][0]), (q[0][1], q[-1][0])]
+        q.append((x[2] * k, x[3]))
+        k += 1
+    return q[0][0] + 2 * q[1][1] + 3 * q[0][1]
+
+
 KERNELS = [of_numbers, of_pairs, adaptive_quadrature, of_arrays, of_operands, moving_average, cleared, generations,
            kept_where_it_is_longer, left_by_continue, first_of_what_was_there, two_names, of_numbers_and_arrays,
            rows_that_move]
 COUNTED = [(depth_first, 6), (breadth_first, 6), (of_places_and_weights, 6),
+           (made_of_itself, 7), (made_of_its_sums, 7), (made_of_its_rows, 7), (made_of_its_pairs, 7),
            (made_anew_by_a_function, 7), (made_anew_by_a_method, 5)]
 
 
