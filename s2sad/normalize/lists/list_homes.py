@@ -31,14 +31,16 @@ from s2sad.tree import (
 
 def list_homes(function: FunctionDef, grown: Set[str], fresh: Callable[[str], str]) -> FunctionDef:
     """The function with one name and one home for each of these lists."""
-    if any(getattr(s, "orelse", []) for s in walk_statements(function.body) if isinstance(s, (For, While))):
-        return function
     bound = _bindings(function)
     copied = [s for s in bound if isinstance(s.value, Name) and {s.value.id, s.targets[0].id} & grown]
-    if copied:
+    has_else = any(getattr(s, "orelse", []) for s in walk_statements(function.body) if isinstance(s, (For, While)))
+    if copied and not has_else:
         function, more = _with_moved_items(_with_one_name(function, bound, copied), grown, fresh)
         grown = grown | more
+    grown = grown | {*grown_lists(function)}        # under the names that they have now
     function = _with_held_items(function, grown, fresh)
+    if has_else:
+        return function
     several = [n for n in sorted(grown) if len(bindings_of(function, n)) > 1 or _is_carried(function, n)]
     for listed in several:
         if all(isinstance(s.value, List) for s in bindings_of(function, listed)) and not holds_lists(function, listed):
