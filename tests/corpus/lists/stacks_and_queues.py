@@ -351,11 +351,53 @@ def made_of_its_pairs(x, n):
     return q[0][0] + 2 * q[1][1] + 3 * q[0][1]
 
 
+def shifted(x, n):
+    h, s = [x[0], x[1]], 0.0
+    for k in range(n):
+        h = [h[1], h[0] * 0.5 + h[1]]
+        h.append(x[k])
+        s += h[0] * 2 + h[1] + h[2]
+    return s
+
+
+def made_of_the_one_before(x):
+    old, t, s = [x[0], x[1]], 0.0, 0.0
+    while t < 2:
+        new = [old[-1] * 0.9, old[0]]
+        s += new[0] * new[-1]
+        new.append(t * x[3])
+        old = new
+        t += 0.3 * x[2]
+    return s
+
+
+def swapped(q):
+    return [q[1], q[0]]
+
+
+def made_by_a_function_of_itself(x, n):
+    q, s, k = [x[0], x[1]], 0.0, 0
+    while k < n:
+        if k % 3 == 2:
+            q = [q[0], q[-1] * 0.7]
+        else:
+            q = swapped(q)
+        q.append(x[k])
+        s += q[0] * 2 + q[1]
+        k += 1
+        if k > 40:
+            break
+    else:
+        s += q[-1]
+    return s
+
+
 KERNELS = [of_numbers, of_pairs, adaptive_quadrature, of_arrays, of_operands, moving_average, cleared, generations,
            kept_where_it_is_longer, left_by_continue, first_of_what_was_there, two_names, of_numbers_and_arrays,
-           rows_that_move]
+           rows_that_move, made_of_the_one_before]
 COUNTED = [(depth_first, 6), (breadth_first, 6), (of_places_and_weights, 6),
            (made_of_itself, 7), (made_of_its_sums, 7), (made_of_its_rows, 7), (made_of_its_pairs, 7),
+           (shifted, 6), (made_by_a_function_of_itself, 6),
            (made_anew_by_a_function, 7), (made_anew_by_a_method, 5)]
 
 
