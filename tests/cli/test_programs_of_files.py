@@ -280,7 +280,7 @@ def test_parameters_of_classes_without_annotations(of_file):
   help: say what it is made of, as --types "p: {x: float64, n: float64}"
 """
     assert of_file("point", "--types", "p: {x: float64[:], n: int}") == """\
-k.py:85:18: error[S201]: the range of a loop must be known before the run
+k.py:85:18: error[S201]: how often a loop runs, of which each round is written out, must be known before the run
   85 |         for k in range(self.n):
      |                  ^^^^^^^^^^^^^
   help: say which 'p.n' is, as --types "p: {n: 3}"
