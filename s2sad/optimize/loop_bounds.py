@@ -64,13 +64,6 @@ def range_arguments(bounds: list[AST]) -> list[AST]:
     return bounds[1:] if len(bounds) == 2 and isinstance(first, Constant) and first.value == 0 else bounds
 
 
-def placed(waiting: list[Assign], bound: Set[str] | None) -> tuple[list[Assign], list[Assign]]:
-    """Which allocations on their way out of the loops stay in one that binds these names (None: there is none), and
-    which go on."""
-    stay = [s for s in waiting if bound is None or bound & set(names(s.value))]
-    return stay, [s for s in waiting if not any(s is m for m in stay)]
-
-
 def bound_names(block: list[AST]) -> set[str]:
     """The names that a block binds."""
     return {t.id for s in walk_statements(block) for t in targets(s) if isinstance(t, Name)}

@@ -50,20 +50,19 @@ from collections import Counter
 from collections.abc import Mapping, Set
 from dataclasses import dataclass
 
-from s2sad.blocks import with_blocks
 from s2sad.infer.types import Type
 from s2sad.liveness import base_name
 from s2sad.optimize.array_contraction import Mentions
 from s2sad.optimize.iteration_spaces import IterationSpaces
 from s2sad.optimize.loop_bounds import (
-    CountedLoop, bound_names, counted_loop, counter_offset, is_loop_free, is_nonnegative, least_value, placed,
-    stored_elements,
+    CountedLoop, bound_names, counted_loop, counter_offset, is_loop_free, is_nonnegative, stored_elements,
 )
+from s2sad.optimize.loop_nests import LoopPass
 from s2sad.optimize.loop_fusion import is_accumulator, upward_exposed
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
     AST, Add, Assert, Assign, Attribute, AugAssign, Constant, For, FunctionDef, Name, Sub, Subscript, assign, at,
-    augment, call, copy, index, indices, is_comment, name, names, rebuild, stored_names, walk, walk_statements,
+    augment, call, copy, index, indices, is_comment, name, names, rebuild, walk, walk_statements,
     with_body,
 )
 
@@ -104,7 +103,7 @@ class _Part:
         self.body = [self.inner]
 
 
-class _Interchange:
+class _Interchange(LoopPass):
     """The pass over one function; `own` are arrays that share no memory."""
 
     def __init__(self, function: FunctionDef, context: DerivativeContext):
@@ -113,27 +112,10 @@ class _Interchange:
         self.counters = {n.target.id for n in walk_statements(function.body) if isinstance(n, For)}
         self.mentions = Counter(n.id for n in walk(function) if isinstance(n, Name))
         self.own = IterationSpaces(function, context.writing).own | context.stacks
-        self.hoisted: list[Assign] = []     # allocations on their way out of the loops
-
-    def block(self, block: list[AST], least: Mapping[str, int], bound: set[str] | None) -> list[AST]:
-        """The block; `least` are lower bounds of the counters around it, `bound` the names that the statement around it
-        binds, None if there is none."""
-        made: list[AST] = []
-        for statement in block:
-            new = self.statement(statement, least)
-            here, self.hoisted = placed(self.hoisted, bound)
-            made += [*here, *new]
-        return made
+        super().__init__()
 
     def statement(self, statement: AST, least: Mapping[str, int]) -> list[AST]:
-        inside = dict(least)
-        if isinstance(statement, For):
-            inside.pop(statement.target.id, None)
-            ends = bounds.ends() if (bounds := counted_loop(statement)) else None
-            first = least_value(ends[0], least) if ends else None
-            inside |= {statement.target.id: first} if first is not None else {}
-        bound = set(stored_names(statement))
-        new = with_blocks(statement, lambda block: self.block(block, inside, bound))
+        new = self.with_inner_blocks(statement, least)
         return self.loop(new, least) if isinstance(new, For) else [new]
 
     def loop(self, loop: For, least: Mapping[str, int]) -> list[AST]:

@@ -39,8 +39,9 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.liveness import base_name
 from s2sad.optimize.loop_bounds import (
-    CountedLoop, bound_names, counted_loop, counter_offset, is_loop_free, placed, stored_elements,
+    CountedLoop, bound_names, counted_loop, counter_offset, is_loop_free, stored_elements,
 )
+from s2sad.optimize.loop_nests import LoopPass
 from s2sad.optimize.loop_peeling import loop_peeling
 from s2sad.blocks import with_blocks
 from s2sad.optimize.tape_row_loads import tape_row_loads
@@ -50,7 +51,7 @@ from s2sad.optimize.scalar_reductions import scalar_reductions
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, For, FunctionDef, Name, Sub, Subscript, assign, at, call, copy, dump, indices, name,
-    names, negate, stored_names, walk, walk_statements, with_body,
+    names, negate, walk, walk_statements, with_body,
 )
 
 CHANGES_ROUNDING = True
@@ -65,35 +66,17 @@ def vectorize(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
     return with_body(function, faster.block(function.body, {}, None))
 
 
-class _Vectorize:
+class _Vectorize(LoopPass):
     def __init__(self, shadows: Mapping[str, Type], free: Names, stacks: Set[str], sums: Set[str],
                  writing: Set[str]):
         self.shadows, self.free, self.stacks, self.sums = shadows, free, stacks, set(sums)
         self.writing = writing
-        self.hoisted: list[Assign] = []     # allocations on their way out of the loops
+        super().__init__()
 
-    def block(self, block: list[AST], least: dict[str, int], bound: set[str] | None) -> list[AST]:
-        """The block; `least` are lower bounds of the enclosing counters, `bound` the names that the enclosing statement
-        binds, None if there is none."""
-        made: list[AST] = []
-        for statement in block:
-            new = self.statement(statement, least)
-            here, self.hoisted = placed(self.hoisted, bound)
-            made += [*here, *new]
-        return made
-
-    def statement(self, statement: AST, least: dict[str, int]) -> list[AST]:
-        bounds = counted_loop(statement)
-        inside = dict(least)
-        if isinstance(statement, For):
-            inside.pop(statement.target.id, None)
-        if bounds is not None and is_loop_free(statement.body, self.writing):
-            return self.loop(statement, inside)
-        ends = bounds.ends() if bounds else None
-        if bounds and ends and not ends[0].terms:
-            inside[bounds.counter] = ends[0].constant
-        bound = set(stored_names(statement))
-        return [with_blocks(statement, lambda inner: self.block(inner, inside, bound))]
+    def statement(self, statement: AST, least: Mapping[str, int]) -> list[AST]:
+        if counted_loop(statement) is not None and is_loop_free(statement.body, self.writing):
+            return self.loop(statement, {c: n for c, n in least.items() if c != statement.target.id})
+        return [self.with_inner_blocks(statement, least)]
 
     def loop(self, loop: For, least: Mapping[str, int]) -> list[AST]:
         """An innermost loop, transformed unless it is long."""

@@ -197,6 +197,24 @@ def test_what_the_kernel_says_itself_stays(kernel, kind, arguments, engine):
             assert type(caught.value) is kind and caught.value.args == arguments
 
 
+def of_two(a, b):
+    return a * b
+
+
+def starred(x, n):
+    return of_two(*x[:n])
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
+def test_a_starred_argument_of_another_length(engine):
+    with running(engine) as name:
+        f = s2sad.differentiate(starred, engine=name)
+        np.testing.assert_array_equal(s2sad.gradient(f)(V, 2)["x"], [V[1], V[0], 0.0, 0.0])
+        for n in (1, 3):
+            with pytest.raises(TypeError, match="^the call takes 2 items of its starred argument$"):
+                s2sad.gradient(f)(V, n)
+
+
 def test_singular_matrices_stay_numpys_own_error():
     with pytest.raises(np.linalg.LinAlgError):
         s2sad.gradient(s2sad.differentiate(singular, engine="numpy"), "u")(U, V)

@@ -31,12 +31,13 @@ from s2sad.evaluate.specialize.sequences import (
 )
 
 __all__ = [
-    "assignment", "attribute_dictionary", "attributes", "branches", "builtin_functions", "choices", "class_attributes",
-    "class_layout", "class_lookup", "comparisons", "compound_statements", "constant_tables", "construction",
-    "container_methods", "containers", "cursors", "definitions", "derivative_calls", "displays", "file_values",
-    "frames", "function_calls", "gathering", "generators", "guard_statements", "iteration", "iterator_use",
-    "library_calls", "listed_records", "live_values", "loop_statements", "matrix_construction", "matrix_operations",
-    "matrix_values", "meanings", "nested_ranges", "numeric_operators", "object_functions", "ordering", "Residual",
-    "residual_lists", "residual_loops", "separate_call", "shape_changes", "shared_rows", "specialize", "spelling",
-    "standard_library", "subscripts", "unread", "vectorized_functions", "written_functions", "written_out_loops",
+    "Residual", "assignment", "attribute_dictionary", "attributes", "branches", "builtin_functions", "choices",
+    "class_attributes", "class_layout", "class_lookup", "comparisons", "compound_statements", "constant_tables",
+    "construction", "container_methods", "containers", "cursors", "definitions", "derivative_calls", "displays",
+    "file_values", "frames", "function_calls", "gathering", "generators", "guard_statements", "iteration",
+    "iterator_use", "library_calls", "listed_records", "live_values", "loop_statements", "matrix_construction",
+    "matrix_operations", "matrix_values", "meanings", "nested_ranges", "numeric_operators", "object_functions",
+    "ordering", "residual_lists", "residual_loops", "separate_call", "shape_changes", "shared_rows", "specialize",
+    "spelling", "standard_library", "subscripts", "unread", "vectorized_functions", "written_functions",
+    "written_out_loops",
 ]

@@ -160,7 +160,7 @@ class _Columns:
     def statement(self, s: AST) -> list[AST]:
         listed = appended_list(s)
         if listed in self.lists:
-            before, items = self.held(s.value.args[0], listed)
+            before, items = self.held(s.value.args[0])
             return [*before, *(Expr(Call(attribute(name(n), "append"), [i], [])) for n, i in zip(
                 self.names[listed], items))]
         if popped_list(s) in self.lists and isinstance(s, Expr):
@@ -169,10 +169,11 @@ class _Columns:
         if isinstance(target, Name) and target.id in self.rows:
             return self.row(s, target.id, row_source(s, self.lists))
         if isinstance(target, Name) and target.id in self.lists:
-            items = [self.held(item, "")[1] for item in s.value.elts]
-            return [assign(n, List([row[k] for row in items], Load())) for k, n in enumerate(self.names[target.id])]
+            rows = [self.held(item) for item in s.value.elts]
+            return [*(b for before, _ in rows for b in before), *(
+                assign(n, List([items[k] for _, items in rows], Load())) for k, n in enumerate(self.names[target.id]))]
         if isinstance(target, Subscript) and isinstance(target.value, Name) and target.value.id in self.lists:
-            before, items = self.held(s.value, target.value.id)
+            before, items = self.held(s.value)
             return [*before, *(assign(index(name(n), self.read(target.slice)), i) for n, i in zip(
                 self.names[target.value.id], items))]
         new = head_copy(s)
@@ -186,13 +187,13 @@ class _Columns:
                 setattr(new, field, [self.read(i) if isinstance(i, AST) else i for i in inner])
         return [new]
 
-    def held(self, item: AST, listed: str) -> tuple[list[AST], list[AST]]:
+    def held(self, item: AST) -> tuple[list[AST], list[AST]]:
         """The items of a tuple, under names where one reads what the list is."""
         before: list[AST] = []
         if isinstance(item, Name):
             return [], [name(n) for n in self.names[item.id]]
         items = [self.read(i) for i in item.elts]
-        if any(n in self.lists for n in names(item)) and listed:
+        if any(n in self.lists for n in names(item)):
             held = [self.fresh("item") for _ in items]
             before += [assign(h, i) for h, i in zip(held, items)]
             items: list[AST] = [name(h) for h in held]
