@@ -14,7 +14,7 @@ def identifier(wanted: str) -> str:
     >>> identifier("hops_(0, 1)"), identifier("0"), identifier("class")
     ('hops_0_1', 'value_0', 'value_class')
     """
-    found = wanted if wanted.isidentifier() else re.sub(r"\W+", "_", wanted).strip("_") or "value"
+    found = wanted if wanted.isidentifier() else re.sub(r"[\W_]+", "_", wanted).strip("_") or "value"
     return f"value_{found}" if found[0].isdigit() or keyword.iskeyword(found) else found
 
 

@@ -29,7 +29,7 @@ def runs_of_thinned(steps: int, snapshots: int) -> int:
     """The same where the number shows in the end: every second, fourth, ... state is kept until then.
 
     >>> runs_of_thinned(1000, 20), runs_of_thinned(1, 20), runs_of_thinned(0, 20)
-    (3884, 2, 0)
+    (3860, 2, 0)
     """
     gap = step = 1
     while step < steps:
