@@ -69,7 +69,8 @@ class CheckpointedAdjoint:
                       if typing.table[n].is_array and n not in step.regions}
         self.held_steps = self.bookkeeping()
         self.trips = self.new("trips", INT)
-        self.places = loop.snapshots.count
+        self.most = loop.snapshots.count + 1    # states; one is that before the last step, where that is known
+        self.places = self.most - loop.is_counted
         self.kept = self.new("kept", UNKNOWN)
         self.counter = loop.loop.target.id if isinstance(loop.loop, For) else ""
         self.plain = isinstance(loop.loop, For) and loop.is_counted and from_zero(loop.loop)
@@ -123,7 +124,7 @@ class CheckpointedAdjoint:
         last = BoolOp(Or(), [compare(name(self.trip), Eq(), name(self.following)),
                              compare(name(self.trip), Eq(), sub(name(self.trips), const(1)))])
         body: list[AST] = [If(last, self.keep(self.trip, name(self.trips)), []), copy(self.loop.step)]
-        rows = call("builtins.min", const(self.places + 1), name(self.trips))
+        rows = call("builtins.min", const(self.most), name(self.trips))
         before: list[AST] = [assign(self.trips, call("builtins.len", copy(loop.iter))), self.allocated_steps(rows),
                              *self.allocated(rows), assign(self.count, const(0)), assign(self.following, const(0))]
         return [*before, *self.with_trips(body)]
@@ -176,7 +177,7 @@ class CheckpointedAdjoint:
 
     def rows(self) -> AST:
         """How many states there is room for, in the names of the loop's function."""
-        most = const(self.places + 1)
+        most = const(self.most)
         if not self.loop.is_counted:
             return most
         return call("builtins.min", most, call("builtins.len", copy(self.loop.loop.iter)))
@@ -210,7 +211,7 @@ class CheckpointedAdjoint:
             assign(kept, name(self.kept)), *before, *allocated, backwards, *after,
             *([Return(tuple_of(*values))] if values else [])])
         rows = self.rows() if isinstance(self.loop.loop, For) else call(
-            "builtins.min", const(self.places + 1), name(self.trips))
+            "builtins.min", const(self.most), name(self.trips))
         return Derivative(made, self.shadows, signature, returned, rows=rows,
                           snapshots={s: self.part(n) for n, s in self.stored.items()}, trips=self.trips)
 

@@ -26,17 +26,18 @@ def runs_of_steps(steps: int, snapshots: int) -> int:
 
 @lru_cache(256)
 def runs_of_thinned(steps: int, snapshots: int) -> int:
-    """The same where the number shows in the end: every second, fourth, ... state is kept until then.
+    """The same where the number shows in the end: every second, fourth, ... state is kept until then, in the place of
+    that before the last step, too.
 
     >>> runs_of_thinned(1000, 20), runs_of_thinned(1, 20), runs_of_thinned(0, 20)
-    (3860, 2, 0)
+    (3820, 2, 0)
     """
     gap = step = 1
     while step < steps:
-        while step % gap == 0 and crowded(step, gap, snapshots):
+        while step % gap == 0 and crowded(step, gap, snapshots + 1):
             gap *= 2
         step += gap - step % gap
-    return 2 * steps + runs_again(steps, gap, snapshots)
+    return 2 * steps + runs_again(steps, gap, snapshots + 1)
 
 
 def runs_of_schedule(schedule: Schedule) -> int:
