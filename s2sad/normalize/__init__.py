@@ -15,6 +15,7 @@ from __future__ import annotations
 from s2sad.naming import Names
 from s2sad.normalize.anf import anf
 from s2sad.normalize.array_anf import array_anf
+from s2sad.normalize.buffers.array_privatization import array_privatization
 from s2sad.normalize.buffers.argument_rotation import argument_rotation
 from s2sad.normalize.buffers.resolve_views import resolve_views
 from s2sad.normalize.buffers.shared_buffers import swap_contents, tail_duplication
@@ -136,6 +137,7 @@ ARRAYS: Passes = (
         ),
         verdict=shares_buffers,
         changes=(
+            Pass(array_privatization),
             Pass(swap_contents),
             Pass(tail_duplication),
         ),
