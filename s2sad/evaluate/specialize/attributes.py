@@ -14,8 +14,8 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    UNKNOWN, ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference,
-    ScopeValue, SliceValue, SuperValue, TupleValue, Value, constant,
+    UNKNOWN, WITH_NONE, ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, OpaqueValue,
+    Reference, ScopeValue, SliceValue, SuperValue, TupleValue, Value, constant,
 )
 from s2sad.live_objects.guards import ABSENT, taken
 from s2sad.tree import AST
@@ -64,6 +64,8 @@ def attribute_of(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> 
         return constant(base.captured.name if name == "__name__" else "")
     if isinstance(base, Iteration):
         return MethodValue(base, name)
+    if isinstance(base, OpaqueValue) and base.what == WITH_NONE and name == "T":
+        return base
     if isinstance(base, SliceValue) and name in ("start", "stop", "step"):
         return base.parts[("start", "stop", "step").index(name)]
     raise ev.refusal(node, f"an attribute of {ev.kind_of(base)}")

@@ -188,6 +188,9 @@ class OpaqueValue:
     demands: frozenset[Any] = field(default=frozenset(), compare=False)
 
 
+WITH_NONE = "an array with None in it"      # an OpaqueValue
+
+
 @dataclass(frozen=True)
 class Conflict:
     """What must not be asked for: one thing on one way and another on another, say; `demands` would make it known, or

@@ -121,9 +121,39 @@ def one_by_one(x):
     return energy
 
 
+class Filter:
+    """As filters are published: what has no value yet is an array of None."""
+
+    def __init__(self, x, size):
+        self.x = x
+        self.z = np.array([[None] * size]).T
+        self.innovation = np.asarray([None, 0.0])
+        self.gain = None
+
+    def update(self, z, r):
+        self.z = z
+        self.gain = 1.0 / (1.0 + r * r)
+        self.innovation = z - self.x
+        self.x = self.x + self.gain * self.innovation
+
+
+def none_until_then(x):
+    found = Filter(x[:2] * 0.5, 2)
+    for k in range(3):
+        found.update(x[1:] * (k + 1.0), x[0])
+    return found.x[0] * found.x[1] + np.sum(found.z * found.innovation)
+
+
+def none_read(x):
+    found = Filter(x[:2] * 0.5, 2)
+    return found.x[0] * found.innovation[1]
+
+
 def cases():
-    for kernel in (counted, by_the_dictionary, made_of_a_sequence, by_content, one_by_one):
+    for kernel in (counted, by_the_dictionary, made_of_a_sequence, by_content, one_by_one, none_until_then):
         yield Case(kernel, (np.array([0.7, 1.2, 0.4]),), ("x",))
     yield Case(past_a_property, (np.array([0.7, 1.2, 0.4]),), ("x",), refused=(
         "S201 at `made.__dict__[\"a\"]`: the class has 'a', or says what assigning it does, and it is assigned by the "
         "dictionary of the object's attributes: assign the attribute"))
+    yield Case(none_read, (np.array([0.7, 1.2, 0.4]),), ("x",), refused=(
+        "S201 at `found.innovation[1]`: an item of an array with None in it"))

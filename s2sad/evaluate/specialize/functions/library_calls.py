@@ -16,7 +16,9 @@ from s2sad.evaluate.specialize.functions.random_calls import random_call
 from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.sequences.known_shapes import of_call, origins, shape
 from s2sad.evaluate.specialize.sequences.generators import LAZY
-from s2sad.evaluate.specialize.values import Data, Iteration, Reference, TupleValue, Value, constant
+from s2sad.evaluate.specialize.values import (
+    WITH_NONE, Data, Iteration, OpaqueValue, Reference, TupleValue, Value, constant,
+)
 from s2sad.tree import AST
 
 Args = list[Value]
@@ -80,13 +82,22 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
         constants = _constant(ev, path, args, keywords, node)
         if constants is not None:
             return constants
+    of_list = path in ("numpy.array", "numpy.asarray") and args and ev.is_spelled_out(args[0])
+    if of_list and _has_none(ev, args[0]):
+        return OpaqueValue(WITH_NONE)
     args = [_as_array(ev, path, a, node, f) for a in args]
     args, keywords = with_known_options(ev, path, args, keywords, node)
     made = ev.residual_call(tree.at(tree.name(ev.library(path)), node), args, keywords, node)
-    of_list = path in ("numpy.array", "numpy.asarray") and args and ev.is_spelled_out(args[0])
     found = _of_list(ev, args[0]) if of_list else of_call(path, args, keywords)
     return replace(made, shape=found, origins=origins(*args), count=_results(path, args, keywords),
                    is_list=path in ("builtins.list", "builtins.sorted"))
+
+
+def _has_none(ev: Evaluator, value: Value) -> bool:
+    """Whether None stands in a list, or in a list in it, for what is to come."""
+    if ev.is_spelled_out(value):
+        return any(_has_none(ev, v) for v in ev.sequence_items(value))
+    return isinstance(value, Data) and value.is_known and value.known is None
 
 
 def _of_list(ev: Evaluator, value: Value) -> tuple[int | None, ...] | None:
