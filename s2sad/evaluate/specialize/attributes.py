@@ -23,6 +23,8 @@ from s2sad.tree import AST
 _CONTAINERS: dict[str, tuple[type, ...]] = {
     "list": (list, deque), "dict": (dict, Counter, OrderedDict, defaultdict), "set": (set, frozenset)}
 
+_NUMBERS = (np.ndarray, np.float64, int, complex)
+
 
 @operation
 def attribute_of(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> Value:
@@ -40,7 +42,7 @@ def attribute_of(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> 
             of_arrays = hasattr(np.ndarray, name) and said.startswith("'")
             help = f"pass numpy.array({said[1:-1]}, dtype=float)" if of_arrays else ""
             raise ev.refusal(node, f"{said}, {ev.kind_of(base)}, has no attribute '{name}' here", help, "S203")
-        return MethodValue(base, name)
+        return constant(held.most) if name == "maxlen" else _method(ev, base, name, _CONTAINERS[held.kind], node)
     if isinstance(base, TupleValue):
         return _of_tuple(ev, base, name, node, f)
     if isinstance(base, ClassValue):
@@ -92,6 +94,17 @@ def _of_data(ev: Evaluator, base: Data, name: str, node: AST) -> Value:
         return Data(made, shape=None if whole is None else whole[::-1], origins=base.origins)
     if name in ("real", "imag", "dtype", "itemsize", "nbytes", "value", "mT") or _is_of_type(base.node):
         return Data(made)
+    if base.is_list and name == "maxlen" and base.rows is not None and (base.rows.most is None or base.rows.most >= 0):
+        return constant(base.rows.most)
+    return _method(ev, base, name, _CONTAINERS["list"] if base.is_list else _NUMBERS, node)
+
+
+def _method(ev: Evaluator, base: Value, name: str, kinds: tuple[type, ...], node: AST) -> MethodValue:
+    """A method of what is of one of some types; refuses what is data there."""
+    there = [getattr(kind, name) for kind in kinds if hasattr(kind, name)]
+    if there and name != "flat" and not any(map(callable, there)):
+        raise ev.refusal(node, f"the attribute .{name} is not supported in a kernel",
+                         help="read it outside, and give it to the kernel as an argument")
     return MethodValue(base, name)
 
 

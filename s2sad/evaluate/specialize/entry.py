@@ -125,9 +125,10 @@ def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, An
             if reason.choice and reason.choice not in choices:
                 choices |= {reason.choice}
                 continue
-            if site is None or site in sites:
+            asked = {site} if site is not None and site not in sites else {*map(id, () if unrolls else ev.limited)}
+            if asked <= sites:
                 raise reason.error from None
-            sites |= {site}
+            sites |= asked
 
 
 def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[str, Form],

@@ -117,8 +117,6 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
             if written is not None:
                 return written
             args, keywords = with_known_options(ev, f"numpy.{function.name}", args, keywords, node, is_method=True)
-            if function.base.is_list and function.name == "append" and len(args) == 1:
-                args = [ev.as_row(function.base.rows, args[0], node)]
             if function.base.is_list:
                 args = [Data(ev.spelled_item(a, node, f)) if isinstance(a, (Reference, TupleValue)) else a
                         for a in args]

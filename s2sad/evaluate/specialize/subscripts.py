@@ -95,7 +95,7 @@ def item_key(ev: Evaluator, base: Reference, place: Value, node: AST) -> Any:
                          place, site=held.site)
     k = place.known + len(held.items) if place.known < 0 else place.known
     if not 0 <= k < len(held.items):
-        raise ev.refusal(node, f"{ev.subject(base, node)} has {len(held.items)} items, and no item {place.known}")
+        raise ev.no_item(f"{ev.subject(base, node)} has {len(held.items)} items, and no item {place.known}", node)
     return k
 
 

@@ -219,7 +219,7 @@ def alike(a: Value | None, b: Value | None) -> bool:
         if a.is_known != b.is_known or a.is_known and not same(a.known, b.known):
             return False
         if a.name or b.name:
-            return a.name == b.name and (a.shape, a.dtype) == (b.shape, b.dtype)
+            return a.name == b.name and (a.shape, a.dtype, a.rows) == (b.shape, b.dtype, b.rows)
         return a.is_known and a.is_literal and b.is_literal
     if type(a) is not type(b):
         return False

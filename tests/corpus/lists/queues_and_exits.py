@@ -1,4 +1,4 @@
-"""Queues of a loop that is left: of another length on each way, they are refused where they are read behind it."""
+"""Queues of a loop that is left, of another length on each way, and deques that keep the last items."""
 from collections import deque
 
 import numpy as np
@@ -100,12 +100,106 @@ def read_of_an_object(b, tolerance):
     return b[0] * len(window.recent)
 
 
+def newest_behind(b, tolerance):
+    recent = deque(maxlen=2)
+    for _ in range(4):
+        b = b * 0.8
+        if np.sum(b) < tolerance:
+            break
+        recent.append(b[0])
+    return recent[-1] * b[1] if len(recent) == recent.maxlen else b[2]
+
+
+def emptied(x):
+    window, s = deque(maxlen=3), 0.0
+    for k in range(len(x)):
+        window.append(x[k] ** 2)
+        s += sum(window) * window[0] / len(window)
+        if x[k] > 0.8:
+            window.clear()
+    return s
+
+
+def full(x):
+    last, s, t = deque([x[0], x[1], x[2]], maxlen=2), 0.0, 0.0
+    while t < 2.1:
+        last.append(x[0] * t + last[-1])
+        t += x[1]
+        if len(last) == last.maxlen:
+            s += last[0] * last[1]
+    return s
+
+
+def of_pairs(x):
+    steps, s, t = deque(maxlen=2), 0.0, 0.0
+    while t < 2.1:
+        steps.append((t, x[0] * t))
+        t += x[1]
+        for a, b in zip(steps, reversed(steps)):
+            s += a[0] * b[1]
+    return s
+
+
+def extended(x):
+    a, t = deque(maxlen=3), 0.0
+    while t < 2.1:
+        a.extend([t * x[2], t * t])
+        a += (x[0],)
+        t += x[1]
+    return sum(a) * a[0]
+
+
+def made_anew(x):
+    a, s, t, k = deque(maxlen=2), 0.0, 0.0, 0
+    while t < 2.1:
+        a.append(t * x[2])
+        if k == 2:
+            a = deque(maxlen=4)
+        s += sum(a)
+        t += x[1]
+        k += 1
+    return s
+
+
+def one_of_two(x):
+    a, t = deque(maxlen=2), 0.0
+    while t < 2.1:
+        a.append(t * x[2])
+        t += x[1]
+    if x[0] > 0.5:
+        a = deque(maxlen=4)
+    a.append(x[1])
+    return sum(a)
+
+
+def of_two_lengths(x):
+    s = 0.0
+    for m in (2, 3):
+        a, t = deque(maxlen=m), 0.0
+        while t < 2.1:
+            a.append(t * x[2])
+            s += sum(a)
+            t += x[1]
+    return s
+
+
 def cases():
     b = np.array([1.0, 0.8, 0.6])
     for kernel in (read_in_the_loop_alone, of_an_object, another_one_behind, of_one_length, of_differences):
         for tolerance in (0.31, 1.3, 2.1):
             yield Case(kernel, (b, tolerance), ("b",))
-    for kernel, place, called in ((read_behind, "recent", "recent"), (read_of_a_pair, "pair", "pair"),
-                                  (read_of_an_object, "window.recent", "window_recent")):
-        yield Case(kernel, (b, 0.5), ("b",), refused=(
-            f"S201 at `{place}`: '{called}' has another length on each way: append to it on both, or on none"))
+    for kernel in (read_behind, read_of_a_pair, read_of_an_object, newest_behind):
+        for tolerance in (0.31, 0.5, 1.3):
+            yield Case(kernel, (b, tolerance), ("b",))
+    # deques whose items only the run counts
+    x = np.array([0.7, 0.4, 0.9, 0.3])
+    for kernel in (emptied, full, of_pairs, extended):
+        yield Case(kernel, (x,), ("x",))
+    yield Case(made_anew, (x,), refused=(
+        "S201 at `while t < 2.1:`: 'a' is a list of other things in each round, or a deque of another length: give "
+        "each a name of its own"))
+    yield Case(one_of_two, (x,), refused=(
+        "S201 at `a.append(x[1])`: a deque with a length is one of several: give each a name of its own"))
+    yield Case(of_two_lengths, (x,), refused=(
+        "S201 at `deque(maxlen=m)`: deques of several lengths are made here, whose items only the run counts: make "
+        "each in a statement of its own"))

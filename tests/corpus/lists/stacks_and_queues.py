@@ -392,7 +392,43 @@ def made_by_a_function_of_itself(x, n):
     return s
 
 
-KERNELS = [of_numbers, of_pairs, adaptive_quadrature, of_arrays, of_operands, moving_average, cleared, generations,
+def read_from_the_second_round_on(x):
+    history, s = [], 0.0
+    for i in range(len(x)):
+        if i > 1:
+            s += history[-1] * x[i]
+        history.append(x[i] ** 2)
+    return s
+
+
+def of_a_length(x):
+    first, last, s = [], deque(), 0.0
+    for v in x:
+        if len(first) == 3:
+            s += first.pop(0) * v
+            s += last.popleft()
+        first.append(v ** 2)
+        last.append(v ** 3)
+    return s + last[0] * sum(first)
+
+
+def last_one_changed(x):
+    found = []
+    for i in range(len(x)):
+        if i > 0 and x[i] < 0.6:
+            found[-1] = found[-1] * x[i]
+        else:
+            found.append(x[i] ** 2)
+    return sum(found) * found[-1]
+
+
+def beyond_the_end(x):
+    q = [x[0] ** 2]
+    return q[2] if x[1] > 0.7 else q[0]
+
+
+KERNELS = [read_from_the_second_round_on, of_a_length, last_one_changed, beyond_the_end,
+           of_numbers, of_pairs, adaptive_quadrature, of_arrays, of_operands, moving_average, cleared, generations,
            kept_where_it_is_longer, left_by_continue, first_of_what_was_there, two_names, of_numbers_and_arrays,
            rows_that_move, made_of_the_one_before]
 COUNTED = [(depth_first, 6), (breadth_first, 6), (of_places_and_weights, 6),

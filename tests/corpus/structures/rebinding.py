@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -168,6 +169,16 @@ def scaled_from_the_left(x, n):
     return v.x * v.y * scale
 
 
+def scaled_by_the_least(x):
+    v, least = Vector(x[0], x[1]), 1e9
+    for k in range(len(x)):
+        distance = math.sqrt(x[k] ** 2 + 0.1)
+        if distance < least:
+            least = distance
+    v = least * v + max(x[0], x[1]) * v
+    return v.x * v.y
+
+
 def scaled_by_what_becomes_an_array(x, n):
     v, scale = Vector(x[0], x[1]), 1.0
     for _ in range(n):
@@ -186,6 +197,7 @@ def cases():
     yield Case(assigned_before, (X,), ("x",))
     for n in (0, 3):
         yield Case(scaled_from_the_left, (np.array([0.7, 1.2, 0.4]), n), ("x",))
+    yield Case(scaled_by_the_least, (np.array([0.7, 1.2, 0.4]),), ("x",))
     yield Case(scaled_by_what_becomes_an_array, (np.array([0.7, 1.2, 0.4]), 3), ("x",), refused=(
         "S201 at `scale * v`: an operator with an object on its right, and on its left what may be a number or an "
         "array of NumPy's, which would not ask its class: put the object on the left"))

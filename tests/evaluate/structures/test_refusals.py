@@ -53,7 +53,19 @@ def membership(s):
     return 1.0 if "x" in s.u else 0.0
 
 
+def data_of_an_array(s):
+    return np.sum(s) if s.strides == (8,) else s[0]
+
+
+def whose_array(s):
+    return np.sum(s) if s.base is None else s[0]
+
+
 REFUSED = [
+    (data_of_an_array, (U,), "s.strides", "S201", "the attribute .strides is not supported in a kernel",
+     "read it outside, and give it to the kernel as an argument"),
+    (whose_array, (U,), "s.base", "S201", "the attribute .base is not supported in a kernel",
+     "read it outside, and give it to the kernel as an argument"),
     (field_that_is_not_there, (state_of(),), "s.uu", "S202",
      "'s', an object of class State, has no attribute 'uu' here", "it has u, v, t, n, log"),
     (key_that_is_not_there, ({"k": 1.0},), 's["kk"]', "S202", "'s' has no key 'kk'", "its keys are k"),

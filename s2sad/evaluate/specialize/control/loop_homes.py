@@ -17,6 +17,7 @@ from s2sad.evaluate.specialize.control.joined_names import parallel
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object, uses
 from s2sad.evaluate.specialize.sequences.known_shapes import shape as known_shape
+from s2sad.evaluate.specialize.sequences.listed_records import hold_alike
 from s2sad.evaluate.specialize.values import Choice, Data, Reference, TupleValue, Value, alike
 from s2sad.tree import AST, names
 
@@ -91,6 +92,9 @@ def home_of(ev: Evaluator, had: Any, first: tuple[Objects, Value], new: tuple[Ob
     inner, after = _parts(objects, value), dict(_parts(*new) or ())
     if isinstance(had, ChoiceHome) or isinstance(value, Choice) or isinstance(new[1], Choice):
         return choice_home(ev, had, first, new, wanted, origin)
+    if not hold_alike(value, new[1]):
+        raise ev.refusal(origin, f"'{wanted}' is a list of other things in each round, or a deque of another length",
+                         help="give each a name of its own")
     is_number = known_shape(new[1]) == ()
     if isinstance(had, str):
         return had if is_number else str(had)
@@ -154,7 +158,8 @@ def _with_alternatives(ev: Evaluator, had: Any, held: Sequence[tuple[Objects, Va
     before = [(objects, v) for objects, v, _ in known.alternatives]
     found, _ = alternatives(ev.heap, [*before, *held])
     if known.times > MOST or any(
-            len({repr(shape(ev, objects, v)) for _, objects, v in one.held}) > 1 for one in found):
+            len({repr(shape(ev, objects, v)) for _, objects, v in one.held}) > 1 or not hold_alike(
+                *(v for _, _, v in one.held)) for one in found):
         raise ev.unknown(origin, f"'{wanted}' is another structure in each round")
     homes = [h for _, _, h in known.alternatives]
     homes += [None] * (len(found) - len(before))

@@ -291,7 +291,7 @@ def _settle(ev: Evaluator, loop: ResidualLoop, head: Objects, ends: Sequence[Obj
     found = False
     for end in ends:
         for n, held in head.items():
-            if held.kind in ("list", "set", "dict") and list(end[n].items) != list(held.items) or (
+            if n not in end or held.kind in ("list", "set", "dict") and list(end[n].items) != list(held.items) or (
                     held.kind == "record" and held.items.keys() != end[n].items.keys()):
                 raise ev.unknown(origin, f"'{held.label or 'a ' + held.kind}' is another structure after each round",
                                  help="make it before the loop, and assign its items", site=held.site)

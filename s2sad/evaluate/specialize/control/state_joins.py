@@ -23,6 +23,7 @@ from s2sad.evaluate.specialize.values import (
 from s2sad.evaluate.specialize.control.choice_joins import (
     Alternative, alternatives, are_functions, chosen_value, decided_again, is_chosen, maybe_unbound,
 )
+from s2sad.evaluate.specialize.sequences.known_shapes import shape
 from s2sad.evaluate.specialize.sequences.listed_records import same_rows
 from s2sad.evaluate.specialize.control.joined_names import Merged, Objects, Way, same_things, settled_names
 from s2sad.evaluate.specialize.sparse.matrix_values import KINDS
@@ -249,7 +250,7 @@ class Join:
         if any(v.is_known and (v.known is None or isinstance(v.known, str)) and v.is_literal for v in values):
             return Conflict(f"'{wanted}' is {_said(values)} on different ways, which must be known before the run")
         demands = frozenset().union(*(v.demands for v in values))
-        shapes = {v.shape for v in values}
+        shapes = {*map(shape, values)}
         kept = shapes.pop() if len(shapes) == 1 else None
         origins = frozenset().union(*(v.origins for v in values))
         maybe = any(v.may_be_unbound for v in values)

@@ -104,6 +104,10 @@ def _deque(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> 
     items = ev.items_of(args[0], node, f) if args else []
     if not most or most[0] is None:
         return ev.list_of(items, node)
+    if id(node) in ev.sites:
+        ev.limit_items(node, most[0])
+        return ev.list_of(items[max(len(items) - most[0], 0):], node)
+    ev.limited.append(node)
     made = ev.heap.new(Object("list", {}, most=most[0]))
     ev.replace_items(made, items, node)
     return made

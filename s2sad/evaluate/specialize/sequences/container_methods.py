@@ -83,7 +83,7 @@ def _append(ev: Evaluator, base: Reference, args: list[Value], _: Any, node: AST
 def _at_the_left(ev: Evaluator, base: Reference, args: list[Value], _: Any, node: AST, f: Frame) -> Value:
     items, most = collections.deque(ev.sequence_items(base)), ev.heap[base].most
     if ev.called == "popleft" and not items:
-        raise ev.refusal(node, "popleft from a deque that has no items")
+        raise ev.no_item("popleft from a deque that has no items", node)
     first = [ev.known(a, node, "how far a deque is turned") for a in args] if ev.called == "rotate" else args
     found = getattr(items, ev.called)(*first)
     replace_items(ev, base, list(items)[:most], node)
@@ -107,7 +107,7 @@ def list_method(ev: Evaluator, base: Reference, name: str, args: list[Value], no
     if name in ("insert", "pop"):
         first = [ev.known(args[0], node, "a place in a list")] if args else []
         if name == "pop" and not -len(items) <= (first[0] if first else -1) < len(items):
-            raise ev.refusal(node, "pop from a list that has no such item")
+            raise ev.no_item("pop from a list that has no such item", node)
         found = getattr(items, name)(*first, *args[1:])
     elif name in ("remove", "index", "count"):
         keys: list[Any] = [i.known if isinstance(i, Data) and i.is_known else i for i in items]

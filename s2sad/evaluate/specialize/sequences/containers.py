@@ -63,10 +63,18 @@ def picked(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Val
     if not isinstance(place, Data) or not place.is_known:
         return _by_variable(ev, base, place, node, held)
     if not -len(items) <= place.known < len(items):
-        ev.throws(IndexError, node)
-        raise ev.refusal(node, f"{ev.subject(base, node)} has {len(items)} items, and no item {place.known}",
-                         code="S203")
+        raise no_item(ev, f"{ev.subject(base, node)} has {len(items)} items, and no item {place.known}", node)
     return items[place.known]
+
+
+@operation
+def no_item(ev: Evaluator, message: str, node: AST) -> S2sadError:
+    """What is said of an item that a sequence does not have; where only some runs come here, or a loop fills it later,
+    these raise what Python raises."""
+    ev.throws(IndexError, node)
+    if not ev.is_sure():
+        ev.raises("builtins.IndexError", [tree.const(message)], node)
+    return ev.refusal(node, message, code="S203")
 
 
 def _value(ev: Evaluator, base: Value, held: Object, place: Value, node: AST, f: Frame) -> Value:

@@ -12,6 +12,7 @@ Shape = tuple["int | None", ...]
 _LIKE = ("zeros_like", "ones_like", "empty_like", "full_like", "copy", "array", "asarray", "ascontiguousarray",
          "cumsum", "flip", "roll", "clip", "sort", "astype", "conj", "round", "abs", "absolute", "nan_to_num", "square")
 _REDUCTIONS = ("sum", "mean", "prod", "max", "min", "amax", "amin", "std", "var", "any", "all", "argmax", "argmin")
+_NUMBERS = ("builtins.float", "builtins.int", "builtins.bool", "builtins.len")
 _FILLED = ("zeros", "ones", "empty", "full")
 
 
@@ -54,6 +55,10 @@ def _axis(lengths: Sequence[int | None]) -> int | None:
 def of_call(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> Shape | None:
     """The shape of what a function of NumPy's gives."""
     name = path.rpartition(".")[2]
+    if path.startswith("math.") and name not in ("modf", "frexp") or path in _NUMBERS:
+        return ()
+    if path in ("builtins.min", "builtins.max") and len(args) > 1:
+        return broadcast(*args)
     if name in _FILLED and args:
         return lengths(args[0])
     if name == "cumsum" and len(shape(args[0]) or (0, 0)) != 1:

@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import (
@@ -27,6 +28,7 @@ from s2sad.tree import AST
 
 _ROW = "a row"      # the form of a number or an array: it has a place in the row
 _TEXT = "a text"    # of which derivatives know nothing
+_ONE_OF_SEVERAL = -1        # how many items a deque keeps of which only the run knows which it is
 
 
 @dataclass(frozen=True)
@@ -41,9 +43,11 @@ class _Form:
 
 @dataclass(eq=False)
 class ListedRecords:
-    """What the items of the lists of one site are made of, once one is there; "" of numbers, arrays and tuples."""
+    """What the items of the lists of one site are made of, once one is there; "" of numbers, arrays and tuples. A deque
+    keeps the last `most` of them."""
     form: Any = None
     is_read: bool = False
+    most: int | None = None
 
 
 @operation
@@ -52,10 +56,46 @@ def listed_records(ev: Evaluator, origin: AST) -> ListedRecords:
     return ev.row_forms.setdefault(id(origin), ListedRecords())
 
 
+@operation
+def limit_items(ev: Evaluator, origin: AST, most: int) -> None:
+    """The deques that are made at a place keep so many items."""
+    rows = listed_records(ev, origin)
+    if rows.most not in (None, most):
+        raise ev.refusal(origin, "deques of several lengths are made here, whose items only the run counts",
+                         help="make each in a statement of its own")
+    rows.most = most
+
+
+def hold_alike(*values: Value) -> bool:
+    """Whether lists of the residual program that take each other's places keep as many items, which are made of the
+    same."""
+    rows = [v.rows or ListedRecords() for v in values if isinstance(v, Data) and v.is_list]
+    forms = [r.form for r in rows if r.form is not None]
+    return len({r.most for r in rows}) < 2 and all(_same(forms[0], f) for f in forms)
+
+
 def same_rows(values: Iterable[Data]) -> ListedRecords | None:
     """What the items are made of of a list that is one of several."""
     found = [v.rows for v in values]
-    return found[0] if all(r is found[0] for r in found) else None
+    if all(r is found[0] for r in found):
+        return found[0]
+    return ListedRecords(most=_ONE_OF_SEVERAL) if any(r is not None and r.most is not None for r in found) else None
+
+
+@operation
+def append_residual(ev: Evaluator, base: Data, value: Value, node: AST, f: Frame | None = None) -> None:
+    """Appends to a list of the residual program; a deque that holds as many as it keeps loses its first one."""
+    most = None if base.rows is None else base.rows.most
+    if most == _ONE_OF_SEVERAL:
+        raise ev.refusal(node, "a deque with a length is one of several", help="give each a name of its own")
+    item = ev.as_row(base.rows, value, node)
+    added = tree.Call(tree.attribute(ev.spelled(base, node), "append"), [ev.spelled_item(item, node, f)], [])
+    ev.emit(tree.Expr(tree.at(added, node)), node, True)
+    if most is not None:
+        length = tree.call("len", ev.spelled(base, node))
+        popped = tree.Call(tree.attribute(ev.spelled(base, node), "pop"), [tree.const(0)], [])
+        ev.emit(tree.If(tree.compare(length, tree.Gt(), tree.const(most)), [
+            tree.at(tree.assign(ev.fresh("oldest"), popped), node)], []), node, True)
 
 
 @operation

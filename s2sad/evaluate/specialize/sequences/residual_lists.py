@@ -29,6 +29,9 @@ _UNSUPPORTED = {
 def residual_list_method(ev: Evaluator, base: Data, name: str, args: Sequence[Value], node: AST, f: Frame
                          ) -> Value | None:
     """What such a method gives; None of one that is left as it is."""
+    if name == "append" and len(args) == 1:
+        ev.append_residual(base, args[0], node, f)
+        return NONE
     if name == "extend" and len(args) == 1:
         ev.extend_residual(base, args[0], node, f)
         return NONE
@@ -62,6 +65,4 @@ def extend_residual(ev: Evaluator, old: Data, value: Value, s: Any, f: Frame) ->
         raise ev.refusal(s, "a list whose length is not known before the run is changed in place",
                          help="append to it item by item")
     for item in ev.items_of(value, s, f):
-        added = ev.residual_call(tree.at(tree.attribute(tree.copy(old.node), "append"), s), [
-            Data(ev.spelled_item(ev.as_row(old.rows, item, s), s))], {}, s)
-        ev.emit(tree.Expr(added.node), s, True)
+        ev.append_residual(old, item, s)
