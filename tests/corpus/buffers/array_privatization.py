@@ -109,6 +109,44 @@ def put_back_first(u, n):
     return u[0]
 
 
+def bound_to_itself(u, n):
+    """The name is bound, and keeps the caller's array."""
+    s = 0.0
+    for _ in range(n):
+        u = u  # noqa: PLW0127
+        z = u
+        z = np.cos(u)
+        s += np.sum(z)
+    u[1] = u[1] * np.sin(u[1])
+    return s + np.sum(u ** 2)
+
+
+def bound_to_another_name_of_it(u, n):
+    for k in range(n):
+        w = u
+        w[k] = w[k] * w[k + 1]
+        if w[k] > 0.5:
+            w = w * 0.5
+        u = w
+    return np.sum(u ** 2)
+
+
+def moved(x):
+    x[1] = 0.9 * x[0]
+    if x[1] > 0.4:
+        x = x * 0.8
+    return x
+
+
+def written_later(u, n):
+    """What the helper gave may be the argument itself, into which is written behind the loop."""
+    for _ in range(n):
+        w = moved(u)
+        u *= 0.9
+    u[3] = w[3] * 0.5
+    return np.sum(u * w)
+
+
 def seen_by_a_view(u, n):
     v = u[1:]
     for _ in range(n):
@@ -151,8 +189,11 @@ def cases():
     yield Case(until, (U.astype(np.float32), 0.2), ("u",), ("return", "u"))
     yield Case(both, (U, V, 3), ("u", "v"), ("return", "u", "v"))
     yield Case(another_name_of_this_round, (U, 2), ("u",), ("return", "u"))
+    yield Case(bound_to_itself, (U, 3), ("u",), ("return", "u"))
     yield Case(put_back_first, (U, 3), ("u",), ("return", "u"))
-    for kernel, given, store in ((seen_by_a_view, (U, 3), "u[1] = u[1] * u[0]"),
+    for kernel, given, store in ((written_later, (U, 3), "u *= 0.9"),
+                                 (bound_to_another_name_of_it, (U, 3), "w[k] = w[k] * w[k + 1]"),
+                                 (seen_by_a_view, (U, 3), "u[1] = u[1] * u[0]"),
                                  (seen_by_the_older_name, (U, 3), "a[k] = a[k] * a[k + 1]"),
                                  (bound_to_another_argument, (U, V, 3), "u[1] = u[1] * u[0]")):
         yield Case(kernel, given, refused=f"S201 at `{store}`: {ALIAS}")
