@@ -240,6 +240,8 @@ def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Fr
         return constant(found is wanted)
     if isinstance(b, Data) and isinstance(b.known, str):
         return constant((ev.known(a, node, "a part of a text") in b.known) is wanted)
+    if isinstance(b, Data) and b.demands:       # what is given, and may be a set
+        raise ev.unknown(node, "whether what is given has an element is asked", b, help="give an array or a structure")
     if isinstance(b, Data) and isinstance(a, Data) and not (a.is_known and isinstance(a.known, (str, type(None)))):
         found = library_call(ev, "numpy.any", [library_call(ev, "numpy.equal", [b, a], {}, node, f)], {}, node, f)
         return found if wanted else Data(tree.at(tree.UnaryOp(tree.Not(), ev.spelled(found, node)), node))
