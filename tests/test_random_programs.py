@@ -7,7 +7,7 @@ from hypothesis import assume, given, settings
 
 from tests.harness.bulk import outcome
 from tests.harness.derivatives import UnreliableDifferences, check_derivatives
-from tests.programs import SHAPES, kernels, random_kernel
+from tests.programs import SHAPES, kernels, lists_of_the_run, names_of_arrays, random_kernel
 from tests.harness.seeds import seeded
 
 
@@ -28,6 +28,16 @@ def test_numbered_programs_under_numpy(first):
 def test_numbered_programs_under_numba(first):
     pytest.importorskip("numba")
     numbered(first, 4, "numba")
+
+
+@pytest.mark.parametrize(("generator", "least"), [(names_of_arrays, 0.5), (lists_of_the_run, 0.85)])
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_names_and_lists(generator, least, engine):
+    """Of these much is refused; `python -m tests.harness.bulk --programs names` (or `lists`) runs more of them."""
+    found = [outcome(generator.random_program(seed), engine, seed) for seed in range(seeded(0), seeded(0) + 20)]
+    failures = [f for f in found if f.kind in ("wrong", "crash") or "S9" in f.where]
+    assert not failures, "\n".join(f"seed {f.seed}: {f.kind}\n{f.source}\n{f.text}" for f in failures)
+    assert sum(f.kind == "ok" for f in found) >= least * len(found)
 
 
 @settings(max_examples=25)

@@ -28,9 +28,12 @@ import s2sad
 from tests.harness.derivatives import UnreliableDifferences, check_derivatives, check_value
 from tests.harness.garbage import collect_rarely
 from tests.harness.poison import poisoned
-from tests.programs import Program, random_kernel
+from tests.programs import Program, lists_of_the_run, names_of_arrays, random_kernel
 
 _MODE = ExitStack()
+GENERATORS = {"kernels": random_kernel, "names": names_of_arrays.random_program,
+              "lists": lists_of_the_run.random_program}
+Task = tuple[str, int, str, frozenset[str]]
 SKIPPED = ("invalid", "unreliable")
 
 
@@ -190,9 +193,13 @@ def shrink(program: Program, engine: str, failure: Outcome, seconds: float = 60.
 
 
 # -- the run --------------------------------------------------------------------------------------------------------
-def _work(task: tuple[int, str, frozenset[str]]) -> Outcome:
-    seed, engine, without = task
-    return outcome(random_kernel(seed, without), engine, seed)
+def _program(kind: str, seed: int, without: frozenset[str]) -> Program:
+    return GENERATORS[kind](seed, without) if kind == "kernels" else GENERATORS[kind](seed)
+
+
+def _work(task: Task) -> Outcome:
+    kind, seed, engine, without = task
+    return outcome(_program(kind, seed, without), engine, seed)
 
 
 def _begin(poison: bool) -> None:
@@ -201,7 +208,7 @@ def _begin(poison: bool) -> None:
         _MODE.enter_context(poisoned())
 
 
-def _outcomes(tasks: list[tuple[int, str, frozenset[str]]], jobs: int, poison: bool) -> Iterator[Outcome]:
+def _outcomes(tasks: list[Task], jobs: int, poison: bool) -> Iterator[Outcome]:
     if jobs == 1:
         _begin(poison)
         yield from map(_work, tasks)
@@ -210,8 +217,7 @@ def _outcomes(tasks: list[tuple[int, str, frozenset[str]]], jobs: int, poison: b
         yield from pool.imap_unordered(_work, tasks, chunksize=8)
 
 
-def _report(found: Outcome, engine: str, without: frozenset[str], seconds: float) -> str:
-    program = random_kernel(found.seed, without)
+def _report(found: Outcome, program: Program, engine: str, seconds: float) -> str:
     small = shrink(program, engine, found, seconds) if seconds else program
     final = outcome(small, engine, found.seed)
     return (f"==== seed {found.seed}: {found.kind} ({found.where})\nwrt={program.wrt} of={program.of} n={program.n} "
@@ -222,7 +228,8 @@ def _report(found: Outcome, engine: str, without: frozenset[str], seconds: float
 def run(arguments: argparse.Namespace) -> int:
     """Runs the programs and prints; gives the number of failures."""
     without = frozenset(w for w in arguments.without.split(",") if w)
-    tasks = [(s, arguments.engine, without) for s in range(arguments.start, arguments.start + arguments.count)]
+    seeds = range(arguments.start, arguments.start + arguments.count)
+    tasks = [(arguments.programs, s, arguments.engine, without) for s in seeds]
     kinds: Counter[str] = Counter()
     places: Counter[tuple[str, str]] = Counter()
     began = time.monotonic()
@@ -231,7 +238,8 @@ def run(arguments: argparse.Namespace) -> int:
         if found.failed:
             places[found.kind, found.where] += 1
             if places[found.kind, found.where] <= arguments.each:
-                text = _report(found, arguments.engine, without, arguments.shrink)
+                program = _program(arguments.programs, found.seed, without)
+                text = _report(found, program, arguments.engine, arguments.shrink)
                 print(text, flush=True)
                 if arguments.output:
                     with Path(arguments.output).open("a") as file:
@@ -249,6 +257,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.harness.bulk", description=__doc__)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--start", type=int, default=0, help="the first program's number")
+    parser.add_argument("--programs", choices=tuple(GENERATORS), default="kernels",
+                        help="kernels, names that leave their arrays, lists whose length only the run knows")
     parser.add_argument("--engine", choices=("numpy", "numba", "loops"), default="numpy")
     parser.add_argument("--poison", action="store_true", help="nan in whatever is allocated and not yet written")
     parser.add_argument("--jobs", type=int, default=1)

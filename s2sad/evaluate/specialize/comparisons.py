@@ -11,11 +11,11 @@ from s2sad import tree
 from s2sad.evaluate.specialize.numeric_operators import computed
 from s2sad.evaluate.specialize.control.choices import chosen, is_structural
 from s2sad.evaluate.specialize.evaluation_state import Frame
-from s2sad.evaluate.specialize.functions.library_calls import library_call
 from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
+from s2sad.evaluate.specialize.functions.library_calls import library_call
 from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.sequences.iterator_use import DEFAULT
-from s2sad.evaluate.specialize.sequences.known_shapes import broadcast
+from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, shape
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     UNKNOWN, Data, ObjectValue, OpaqueValue, Reference, TupleValue, Value, alike, constant, demands_of,
@@ -240,8 +240,8 @@ def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Fr
         return constant(found is wanted)
     if isinstance(b, Data) and isinstance(b.known, str):
         return constant((ev.known(a, node, "a part of a text") in b.known) is wanted)
-    if isinstance(b, Data) and b.demands:       # what is given, and may be a set
-        raise ev.unknown(node, "whether what is given has an element is asked", b, help="give an array or a structure")
+    if isinstance(b, Data) and (b.demands or shape(b) == ()):       # what is given may be a set; a number
+        raise ev.refusal(node, "whether an array has an element is asked", help="write np.any(a == x)")
     if isinstance(b, Data) and isinstance(a, Data) and not (a.is_known and isinstance(a.known, (str, type(None)))):
         found = library_call(ev, "numpy.any", [library_call(ev, "numpy.equal", [b, a], {}, node, f)], {}, node, f)
         return found if wanted else Data(tree.at(tree.UnaryOp(tree.Not(), ev.spelled(found, node)), node))

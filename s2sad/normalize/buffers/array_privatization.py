@@ -102,20 +102,18 @@ def _older(shared: str, owner: str, contents: ListContents) -> set[str]:
 def _leaves(owner: str, naming: Assign, meanwhile: list[AST], contents: ListContents, older: set[str]) -> bool:
     """Whether a name leaves the array that it was given in a loop or branch, where nothing that is read later shares
     it; the array is not used under an older name until then, nor written later, where the name may still be its."""
-    inside = list(walk_statements(meanwhile))
-    bound = [s for s in walk_statements(contents.function.body) if owner in _bound_by(s) and s is not naming]
-    held = {n for s in walk_statements(contents.function.body) if isinstance(s, Assign)
-            and isinstance(s.value, (Tuple, List)) for n in names(s.value)}
+    every, inside = list(walk_statements(contents.function.body)), {id(s) for s in walk_statements(meanwhile)}
+    bound = [s for s in every if owner in _bound_by(s) and s is not naming]
+    held = {n for s in every if isinstance(s, Assign) and isinstance(s.value, (Tuple, List)) for n in names(s.value)}
     others, same = contents.component({owner}) - older - {owner}, contents.views_of({owner, *older})
     return (any(not any(s is t for t in meanwhile) for s in bound)
-            and all(any(s is t for t in inside) and _is_plain(s) and not contents.sources(s.value) & same
+            and all(id(s) in inside and _is_plain(s) and not contents.sources(s.value) & same
                 and not (others | contents.sources(s.value)) & contents.uses.after[id(s)] for s in bound)
             and not older & {*names(meanwhile), *stored_names(meanwhile)}
             and not held & (others | older | {owner})
             and not _exits(meanwhile)
             and not (contents.views_of({owner}) & contents.uses.after[id(meanwhile[-1])] and any(
-                contents.stored_arrays(s) & (others | older | {owner})
-                for s in walk_statements(contents.function.body) if not any(s is t for t in inside))))
+                contents.stored_arrays(s) & (others | older | {owner}) for s in every if id(s) not in inside)))
 
 
 def _is_plain(statement: AST) -> bool:

@@ -275,8 +275,6 @@ class _GrowingLists:
     def element(self, node: Subscript) -> AST:
         """An element of a list, counted from the end where its index is negative."""
         place, count = indices(node)[0], name(self.counts[node.value.id])
-        if any(isinstance(i, Constant) and i.value is None for i in indices(node)):     # the mesh of `np.ix_`
-            return at(index(self.items(node.value.id), *map(self.read, indices(node))), node)
         if len(indices(node)) == 1 and isinstance(place, Slice) and id(node) in self.as_arrays - self.changed_inside:
             return at(index(self.items(node.value.id), self.read(place)), node)
         if len(indices(node)) > 1 or isinstance(place, Slice):

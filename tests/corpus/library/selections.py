@@ -1,6 +1,8 @@
 """Elements left out, repeated, put between; bins, places; stores by the number of an element."""
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 
 from tests.corpus import Case
@@ -139,6 +141,22 @@ def free_by_a_list(a, x, fixed):
     return np.sum(a[0] * a[1]) + u * u
 
 
+def of_the_last_ones(x, n):
+    """A number that a queue has had lately counts no more."""
+    seen = deque(maxlen=2)
+    s = 0.0
+    for k in range(n):
+        j = int(10.0 * abs(x[k % 4]) + 0.5) % 3
+        if j not in seen:
+            s += x[k % 4] ** 2
+        seen.append(j)
+    return s if 0.25 in x else s * x[0]
+
+
+def of_a_number(x, k):
+    return x[0] if 3.0 in k * x[1] else x[1]
+
+
 def free_of(a, x, fixed):
     """Degrees of freedom that are not held: the rows and columns that are left are solved with."""
     free = np.setdiff1d(np.arange(x.size), fixed)
@@ -222,6 +240,11 @@ def cases():
              "S501 at `np.histogram(x, bins=3, range=(1.0 * k, 1.0), weights=x)`: np.histogram with a range whose "
              "ends are equal or exchanged: operand is 2.0, 1.0 is 1.0")):
         yield Case(kernel, (X, k), "x", refused=refused)
+    # membership
+    yield Case(of_the_last_ones, (X, 6), "x")
+    yield Case(of_the_last_ones, (X[::-1].copy(), 5), "x")
+    yield Case(of_a_number, (X, 2.0), refused=(
+        "S201 at `3.0 in k * x[1]`: whether an array has an element is asked: write np.any(a == x)"))
     # numbers that are left
     for kernel in [free_of, free_by_a_list, others]:
         for fixed in [np.array([0, 3]), np.zeros(0, int), np.array([2, 1, 5, 1])]:

@@ -156,6 +156,18 @@ def appended_and_bound_anew(x):
     return np.sum(ws[0])
 
 
+def beside_one_that_grows(x, n):
+    """Two numbers, and a list that has fewer of them first, and more then: the rounds are those of the shorter one."""
+    h = [x[0], x[2]]
+    q = []
+    s = 0.0
+    for k in range(n + 1):
+        for a, b in zip(h, q):
+            s += a * b
+        q.append(s * 0.3 + x[k])
+    return s
+
+
 def cases():
     # derivatives
     for kernel, of in KERNELS:
@@ -167,3 +179,4 @@ def cases():
     for kernel in (bound_anew_on_the_way, under_two_names, appended_and_bound_anew,
                    picked_by_a_variable):
         yield Case(kernel, (X,), "x")
+    yield Case(beside_one_that_grows, (X, 3), "x")

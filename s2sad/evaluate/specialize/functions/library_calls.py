@@ -228,7 +228,8 @@ def _open_mesh(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame)
     """The subscripts of the elements in some rows and columns."""
     if len(args) != 2:
         return None
-    rows, columns = (a if isinstance(a, Data) else library_call(ev, "numpy.array", [a], {}, node, f) for a in args)
+    rows, columns = (a if isinstance(a, Data) and not a.is_list else library_call(
+        ev, "numpy.array", [a], {}, node, f) for a in args)
     whole, new = tree.Slice(None, None, None), tree.const(None)
     return TupleValue((Data(tree.at(tree.index(ev.spelled(rows, node), whole, new), node)),
                        Data(tree.at(tree.index(ev.spelled(columns, node), new, whole), node))))

@@ -112,7 +112,8 @@ def _zipped(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> Any:
     cursors = []
     for part in value.parts:
         shape = ev.shape_of(part)
-        if lengths and isinstance(part, Data) and not (part.is_known or shape.is_known or shape.demands):
+        told = isinstance(part, Data) and (part.is_list or part.is_known or shape.is_known or bool(shape.demands))
+        if lengths and isinstance(part, Data) and not told:
             test = tree.compare(tree.call("len", ev.spelled(part, node)), tree.GtE(), tree.const(min(lengths)))
             why = tree.const("an array has fewer items than the list that it is zipped with")
             ev.emit(tree.Assert(test, why), node)
