@@ -199,6 +199,8 @@ class Evaluator(Operations):
             return value
         if value.is_known and is_spelled(value.known) and not value.name:
             return constant(value.known)
+        if (part := self.copied_part(value, wanted, origin)) is not None:
+            return part
         new = self.fresh(wanted)
         self.emit(tree.assign(new, value.node), origin)
         return replace(value, node=tree.at(tree.name(new), origin))
@@ -218,7 +220,9 @@ class Evaluator(Operations):
 
     def assign_slot(self, holder: Reference, key: Hashable, value: Value, wanted: str, origin: AST) -> None:
         """A slot of the heap gets a value; an expression is bound to the name that it alone holds, or a new one."""
-        if isinstance(value, Data) and not value.is_atom and not (value.is_known and is_spelled(value.known)):
+        if isinstance(value, Data) and (part := self.copied_part(value, wanted, origin)) is not None:
+            value = part
+        elif isinstance(value, Data) and not value.is_atom and not (value.is_known and is_spelled(value.known)):
             old = self.heap[holder].items.get(key)
             own = old.name if isinstance(old, Data) and self.owns(old.name) else ""
             if own:

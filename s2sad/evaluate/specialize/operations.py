@@ -32,6 +32,7 @@ class Operations:
     constructed: Callable[..., Any]
     container_method: Callable[..., Any]
     container_operator: Callable[..., Any]
+    copied_part: Callable[..., Any]
     counted: Callable[..., Any]
     cursor_of: Callable[..., Any]
     declares_layout: Callable[..., Any]

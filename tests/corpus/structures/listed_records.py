@@ -213,6 +213,38 @@ def of_several_kinds(x):
     return sum(r["t"] for r in log if r["kind"] == "a")
 
 
+def several_loops(x):
+    t, events = 0.0, []
+    while t < 1.0:
+        events.append(Event(t, x[0] * t))
+        t += 0.2 * x[2]
+    s = 0.0
+    for e in range(3):
+        s += x[e]
+    for _ in range(2):
+        for e in events:
+            s = s * 0.5 + e.weight()
+        for k, e in enumerate(events):
+            for other in events[k + 1:]:
+                s = s * 0.7 + e.t * other.y
+        for e in events:
+            if e.t > 0.5:
+                break
+            s += e.y ** 2
+    return s
+
+
+def read_behind_a_loop(x):
+    t, events, s = 0.0, [], 0.0
+    while t < 1.0:
+        events.append(Event(t, x[0] * t))
+        t += 0.2 * x[2]
+    e = Event(x[0], x[1])
+    for e in events:
+        s += e.y
+    return s + e.weight()
+
+
 CHANGED = ("an object is changed that a list holds whose length only the run knows: change it before it is appended, "
            "or append a new one")
 
@@ -220,12 +252,14 @@ CHANGED = ("an object is changed that a list holds whose length only the run kno
 def cases():
     # gradients
     for kernel in (dicts, named_tuples, of_a_simulation, cascade, the_largest, one_after_another, not_in_a_list,
-                   written_arrays):
+                   written_arrays, several_loops):
         yield Case(kernel, (X,), ("x",))
     # refusals
     for kernel, place in ((changed_behind, "e.y"), (one_object, "e.t"), (changed_in_the_list, "events[-1].y += x[1]"),
                           (changed_in_the_next_round, "old.y"), (inside_of_another, 'd["e"].y')):
         yield Case(kernel, (X,), refused=f"S201 at `{place}`: {CHANGED}")
+    yield Case(read_behind_a_loop, (X,), refused="S201 at `e`: 'e' is a structure before a loop that binds it, and "
+               "read behind it: give what the loop binds another name")
     yield Case(shared_array, (X,), refused=(
         "S201 at `events.append(Event(t, w))`: a list holds an array that is written, not a copy of it: append a copy: "
         ".append(x.copy())"))

@@ -2,7 +2,7 @@
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Any
 
@@ -91,9 +91,10 @@ def rolled(ev: Evaluator, s: Any, *forms: Callable[[], Any] | None) -> None:
 
 
 def _tells_more(ev: Evaluator, reason: Unevaluated, other: Unevaluated) -> bool:
-    """Which of two reasons is better acted on: a list that can be residual, facts that can be asked, the last one."""
+    """Which of two reasons is better acted on: a list that can be residual, facts that can be asked, a choice; of
+    reasons of which none is, the first one tells what is in the way."""
     if ev.unrolls or other.site is None:
-        return bool(reason.demands) or not other.demands
+        return bool(reason.demands) or not other.demands and (reason.site is not None or bool(reason.choice))
     return False
 
 
@@ -202,9 +203,10 @@ def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> ResidualLoop:
         raise ev.unknown(s.target, "a loop over items of a structure")
     sequence = counted_sequence(ev, through, s.iter)
     before = ev.snapshot()
-    counting = _counting_name(s.target, sequence.item(tree.name("")))
+    item = sequence.item(tree.name(""))
+    counting, structures = _counting_name(s.target, item), _structures(s.target, item)
     ev.restore(before)
-    own = _own_targets(ev, names, s, f)
+    own = _own_targets(ev, names, structures, s, f)
     loops: list[ResidualLoop] = []
 
     def once() -> Callable[[list[AST]], AST]:
@@ -225,18 +227,24 @@ def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> ResidualLoop:
     return loops[-1]
 
 
-def _own_targets(ev: Evaluator, names: Sequence[str], s: Any, f: Frame) -> dict[str, str]:
+def _own_targets(ev: Evaluator, names: Sequence[str], structures: Set[str], s: Any, f: Frame) -> dict[str, str]:
     """The residual names of a loop's targets that are bound before it: they keep what they hold where there is no
-    round, as far as that is read behind the loop."""
+    round, as far as that is read behind the loop. What nothing reads is gone where it is a structure, or becomes one
+    (`structures`) in each round."""
     held = ev.heap[f.reference].items
     there = {n: held[n] for n in names if n in held}
-    read = read_outside(ev, f.reference.number, there, s, f) if there else ()
+    read = read_outside(ev, f.reference.number, there, s, f) if there else set()
+    gone = {n for n, v in there.items() if n not in read and (n in structures or not isinstance(v, Data))}
+    there = {n: v for n, v in there.items() if n not in gone}
+    if gone:
+        ev.heap.set_items(f.reference, {k: v for k, v in held.items() if k not in gone})
     found: dict[str, str] = {}
     for n, value in there.items():
         found[n] = value.name if isinstance(value, Data) and ev.owns(value.name) else ev.fresh(n)
         kept = isinstance(value, Data) and not (value.is_known and value.known is None)
         if n in read and not kept and not isinstance(value, Data):
-            raise ev.unknown(s.target, f"'{n}' is a structure before a loop that binds it, and read behind it")
+            raise ev.unknown(s.target, f"'{n}' is a structure before a loop that binds it, and read behind it",
+                             help="give what the loop binds another name")
         if n in read and isinstance(value, Data) and kept and value.name != found[n]:
             ev.emit(tree.assign(found[n], ev.spelled(value, s)), s)
         ev.heap.put(f.reference, n, Data(tree.at(tree.name(found[n]), s.target)))
@@ -249,6 +257,14 @@ def _counting_name(target: Any, item: Value) -> str:
     if isinstance(target, tree.Name):
         return target.id if isinstance(item, Data) and isinstance(item.node, tree.Name) else ""
     return _counting_name(target.elts[0], item.items[0]) if isinstance(item, TupleValue) and target.elts else ""
+
+
+def _structures(target: Any, item: Value) -> set[str]:
+    """The names of a target that get structures."""
+    if isinstance(target, tree.Name):
+        return set() if isinstance(item, Data) else {target.id}
+    inner = zip(target.elts, item.items) if isinstance(item, TupleValue) else ()
+    return {n for t, i in inner for n in _structures(t, i)}
 
 
 def _bind_items(ev: Evaluator, target: Any, item: Value, own: Mapping[str, str], f: Frame) -> None:

@@ -13,6 +13,7 @@ from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins, shape
+from s2sad.evaluate.specialize.sequences.residual_lists import whole_list
 from s2sad.evaluate.specialize.values import (
     FACTORY, NONE, ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference,
     SliceValue, SuperValue, TupleValue, Value, constant,
@@ -88,8 +89,8 @@ def _list(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value |
         count = ev.length(args[0], node, f)
         if count.demands and not args[0].is_list:
             raise ev.unknown(node, "how many items a list has must be known before the run", count)
-        return None
-    return ev.list_of(ev.items_of(args[0], node, f) if args else [], node)
+        return whole_list(args[0], node) if args[0].rows is not None else None
+    return ev.listed(args[0], node, f) if args else ev.list_of([], node)
 
 
 def _is_short(ev: Evaluator, value: Data, node: AST, f: Frame) -> bool:

@@ -121,7 +121,8 @@ def _repeated(ev: Evaluator, sequence: Reference, times: Data, node: AST) -> Val
     item, count, wanted = items[0], ev.spelled(times, node), ev.wanted.get(node, ("items", node))[0]
     unfilled = tree.BinOp(ev.spelled(sequence, node), tree.Mult(), count)
     empty = unfilled if item.known is None else tree.List([], tree.Load())
-    made = ev.named(Data(tree.at(empty, node), is_list=True, demands=times.demands), wanted, node)
+    made = ev.named(Data(tree.at(empty, node), is_list=True, demands=times.demands,
+                         rows=None if item.known is None else ev.listed_records(node)), wanted, node)
     if item.known is not None:
         append = tree.Call(tree.attribute(made.node, "append"), [ev.spelled(item, node)], [])
         ev.emit(tree.counted_for(ev.fresh("each"), [tree.copy(count)], [tree.Expr(append)]), node)

@@ -71,26 +71,44 @@ def list_parts(value: Value) -> Value:
     """What a loop goes through, with parts of residual lists as the places of their items."""
     if isinstance(value, Iteration) and value.kind in ("zip", "enumerate", "reversed"):
         return replace(value, parts=tuple(map(list_parts, value.parts)))
-    node = value.node if isinstance(value, Data) and value.is_list else None
-    if not isinstance(node, tree.Subscript) or not isinstance(node.slice, tree.Slice) or _integer(
-            node.slice.step or tree.const(1)) != 1:
+    if not isinstance(value, Data) or (found := part_range(value)) is None:
         return value
-    length = tree.call("len", node.value)
-    start, stop = (Data(tree.at(_place(p, length, other), node), shape=()) for p, other in (
-        (node.slice.lower, tree.const(0)), (node.slice.upper, length)))
-    return Iteration("part", (replace(value, node=node.value), Iteration("range", (start, stop))))
+    listed, bounds = found
+    backwards = tree.dump(bounds) == tree.dump(_all_backwards(listed.node))
+    span = Iteration("range", tuple(Data(tree.at(n, value.node), shape=()) for n in (
+        [tree.call("len", listed.node)] if backwards else bounds)))
+    return Iteration("part", (listed, Iteration("reversed", (span,)) if backwards else span))
 
 
-def _place(bound: AST | None, length: AST, missing: AST) -> AST:
-    """A bound of a slice as a place from the start."""
+def part_range(value: Data) -> tuple[Data, list[AST]] | None:
+    """The list that a value is a part of, and the bounds of the range of its items' places; None of what is no part of
+    a list, or has a step that is not known."""
+    node = value.node if value.is_list else None
+    if not isinstance(node, tree.Subscript) or not isinstance(node.slice, tree.Slice):
+        return None
+    listed, step = replace(value, node=node.value), _integer(node.slice.step or tree.const(1))
+    if not step:
+        return None
+    first, last = _all_backwards(node.value)[:2] if step < 0 else (tree.const(0), tree.call("len", node.value))
+    start = _place(node.slice.lower, node.value, first, step < 0)
+    stop = _place(node.slice.upper, node.value, last, step < 0)
+    return listed, [start, stop, *([] if step == 1 else [tree.const(step)])]
+
+
+def _all_backwards(listed: AST) -> list[AST]:
+    return [tree.sub(tree.call("len", tree.copy(listed)), tree.const(1)), tree.const(-1), tree.const(-1)]
+
+
+def _place(bound: AST | None, listed: AST, missing: AST, backwards: bool) -> AST:
+    """A bound of a slice of a list as a place from the start."""
     if bound is None:
         return tree.copy(missing)
-    known = _integer(bound)
-    if known == 0:
+    known, length = _integer(bound), tree.call("len", tree.copy(listed))
+    if known == 0 and not backwards:
         return bound
     behind = tree.call("max", tree.add(tree.copy(length), bound) if known is None else _minus(
-        tree.copy(length), tree.const(-known)), tree.const(0))
-    before = tree.call("min", tree.copy(bound), tree.copy(length))
+        tree.copy(length), tree.const(-known)), tree.const(-1 if backwards else 0))
+    before = tree.call("min", tree.copy(bound), _minus(length, tree.const(int(backwards))))
     return tree.IfExp(tree.compare(tree.copy(bound), tree.Lt(), tree.const(0)), behind, before) if known is None else (
         behind if known < 0 else before)
 

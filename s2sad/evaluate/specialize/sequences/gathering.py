@@ -12,6 +12,7 @@ from numpy import ufunc
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
+from s2sad.evaluate.specialize.sequences.counted_sequence import list_parts
 from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.values import LARGEST_SEQUENCE, Data, Iteration, TupleValue, Value
@@ -172,11 +173,23 @@ def listed(ev: Evaluator, value: Value, node: AST, f: Frame) -> Value:
     try:
         return ev.list_of(ev.items_of(value, node, f), node)
     except Unevaluated as reason:
-        if not isinstance(value, Iteration) or value.kind != "generator":
+        if not isinstance(value, Iteration) or value.kind != "generator" and not ev.stays_one(value):
             raise
         ev.restore(before)
-        ev.used(value, node)
-        return _filled(ev, value.more[0], value.more[1], reason, ev.first_of(value))
+        if value.kind == "generator":
+            ev.used(value, node)
+            return _filled(ev, value.more[0], value.more[1], reason, ev.first_of(value))
+        return _filled(ev, _each(ev, node), f, reason, ev.atoms(list_parts(value), "iterated", node))
+
+
+def _each(ev: Evaluator, node: AST) -> Any:
+    """`[item for item in items]`, the same one each time."""
+    if (node, "each") not in ev.loops_of:
+        made: Any = tree.statements("[item for item in items]")[0]
+        made = made.value
+        made.generators[0].iter = tree.name(ITERATED)
+        ev.loops_of[node, "each"] = tree.at(made, node)
+    return ev.loops_of[node, "each"]
 
 
 @expression("GeneratorExp")

@@ -1,17 +1,24 @@
-"""Methods of lists of the residual program, whose length only the run knows.
+"""Methods and parts of lists of the residual program, whose length only the run knows.
 
     a, b = todo.pop()       ->      item = todo.pop()
                                     a = item[0]
                                     b = item[1]
+
+    late = h[1:]            ->      late = []
+                                    for k in range(1, len(h)):
+                                        late.append(h[k])
 """
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.sequences.counted_sequence import part_range
+from s2sad.evaluate.specialize.sequences.listed_records import ListedRecords
 from s2sad.evaluate.specialize.values import NONE, Data, Value
 from s2sad.tree import AST
 
@@ -42,6 +49,8 @@ def residual_list_method(ev: Evaluator, base: Data, name: str, args: Sequence[Va
         called = tree.Call(tree.attribute(tree.copy(base.node), "clear"), [], [])
         ev.emit(tree.Expr(tree.at(called, node)), node, True)
         return NONE
+    if name == "copy":
+        return whole_list(base, node)
     if name in _UNSUPPORTED:
         raise ev.refusal(node, f".{name} of a list whose length is not known before the run", help=_UNSUPPORTED[name])
     return None
@@ -66,3 +75,24 @@ def extend_residual(ev: Evaluator, old: Data, value: Value, s: Any, f: Frame) ->
                          help="append to it item by item")
     for item in ev.items_of(value, s, f):
         ev.append_residual(old, item, s)
+
+
+def whole_list(value: Data, node: AST) -> Data:
+    """`list(value)` of a residual list."""
+    return replace(value, node=tree.at(tree.index(tree.copy(value.node), tree.Slice(None, None, None)), node))
+
+
+@operation
+def copied_part(ev: Evaluator, value: Data, wanted: str, node: AST) -> Data | None:
+    """A part of a residual list that grows, as the list of its own that it is in Python; None of any other value."""
+    rows = value.rows
+    found = part_range(value) if rows is not None else None
+    if found is None or rows is None:
+        return None
+    listed, bounds = found
+    rows = rows if rows.most is None else ListedRecords(value.rows.form, True)
+    made, place = tree.at(tree.name(ev.fresh(wanted)), node), ev.fresh("k")
+    taken = tree.Call(tree.attribute(tree.copy(made), "append"), [tree.index(listed.node, tree.name(place))], [])
+    ev.emit(tree.assign(made.id, tree.List([], tree.Load())), node)
+    ev.emit(tree.counted_for(place, bounds, [tree.at(tree.Expr(taken), node)]), node)
+    return Data(made, is_list=True, rows=rows)
