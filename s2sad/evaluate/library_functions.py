@@ -1,5 +1,5 @@
-"""library_functions: what functions of NumPy's do that are given functions, or made of many of its others, as functions
-that the evaluator reads.
+"""library_functions: what functions of NumPy's do that are given functions, or made of many of its others, and
+iterators of Python's, as functions that the evaluator reads.
 
     y = np.piecewise(x, [x < 0.0], [lambda v: v * v, 1.0])      ->      y = np.zeros_like(x)
                                                                         y[x < 0.0] = x[x < 0.0] * x[x < 0.0]
@@ -51,6 +51,13 @@ def apply_along_axis(func1d, axis, arr):
 def linspace(start, stop, num=50, endpoint=True):
     first = np.asarray(start)
     return first + np.multiply.outer(np.linspace(0.0, 1.0, num, endpoint=endpoint), np.asarray(stop) - first)
+
+
+def count(start=0, step=1):
+    k = start
+    while True:
+        yield k
+        k += step
 
 
 def vectorized(function, numbers, *args):
@@ -235,6 +242,7 @@ def _by_path(room: str, *found: Any) -> Iterable[tuple[str, Any]]:
 
 
 WRITTEN: dict[str, Callable[..., Any]] = dict((
+    *_by_path("itertools", count),
     *_by_path("numpy", piecewise, fromfunction, apply_along_axis, vectorized, rollaxis, broadcast_arrays, unwrap,
               polyadd, polysub, poly1d),
     *_by_path("numpy.polynomial", Polynomial),

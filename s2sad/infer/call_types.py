@@ -23,7 +23,7 @@ CallTypes = Callable[[str, tuple[Type, ...]], tuple[Type, ...]]
 _ALLOCATIONS = {"numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full"}
 _LIKES = {"numpy.empty_like", "numpy.zeros_like", "numpy.ones_like", "numpy.full_like", "numpy.copy", "numpy.asarray",
           "numpy.ascontiguousarray", "numpy.array", *MARKS}
-_ARRAYS = ("numpy.array", "numpy.asarray")
+_ARRAYS = ("numpy.array", "numpy.asarray", "numpy.copy")
 _REDUCED = ("numpy.argmax", "numpy.argmin", "numpy.count_nonzero", "numpy.any", "numpy.all")  # without an axis
 _OF_ARGUMENTS = {"builtins.abs", "builtins.min", "builtins.max", "numpy.abs", "numpy.absolute", "numpy.minimum",
                  "numpy.maximum", "numpy.square", "numpy.conj", "numpy.conjugate", "numpy.real", "numpy.imag"}
@@ -172,7 +172,7 @@ class TypesOfCalls(ABC):
         if base.kind == "tuple":
             joined = array_of_items(base)
             return _array(self._dtype(node, 1, joined.dtype), joined.rank) if joined.dtype else UNKNOWN
-        if base.is_number and name in _ARRAYS and {k.arg for k in node.keywords} <= {"dtype"}:
+        if base.is_number and name in _ARRAYS and {k.arg for k in node.keywords} <= {"dtype", "order"}:
             dtype = self._dtype(node, 1, base.dtype)    # without axes: a number of NumPy's
             return replace(base, dtype=dtype) if dtype in CASTS.values() else UNKNOWN
         if not base.is_array:

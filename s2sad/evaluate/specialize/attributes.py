@@ -108,6 +108,18 @@ def _method(ev: Evaluator, base: Value, name: str, kinds: tuple[type, ...], node
     return MethodValue(base, name)
 
 
+@operation
+def refuse_missing(ev: Evaluator, value: Value, node: AST) -> None:
+    """Refuses what is compared or tested and is an attribute that no number and no array has."""
+    base = value.base if isinstance(value, MethodValue) else None
+    if isinstance(value, MethodValue) and isinstance(base, Data):
+        kinds = (str,) if isinstance(base.known, str) else _CONTAINERS["list"] if base.is_list else _NUMBERS
+        if not any(hasattr(kind, value.name) for kind in kinds):
+            what = {str: "text", list: "list"}.get(kinds[0], "number and no array")
+            raise ev.refusal(node, f"no {what} has an attribute .{value.name}",
+                             help="ask for what there is, as .shape, .ndim and .size of an array")
+
+
 def _is_of_type(node: AST) -> bool:
     """Whether a call gives what a type is like: `np.finfo(float)`."""
     return tree.call_name(node) in ("numpy.finfo", "numpy.iinfo")

@@ -77,6 +77,8 @@ def _chain(ev: Evaluator, node: Any, k: int, left: Value, f: Frame) -> Value:
 @operation
 def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) -> Value:
     kind = type(op).__name__
+    for v in (a, b):
+        ev.refuse_missing(v, node)
     if kind in ("Is", "IsNot"):
         return constant(_identical(ev, a, b, node) is (kind == "Is"))
     if texts := [v for v in (a, b) if isinstance(v, OpaqueValue)]:

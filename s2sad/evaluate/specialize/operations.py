@@ -109,6 +109,7 @@ class Operations:
     outside_value: Callable[..., Any]
     picked: Callable[..., Any]
     refuse_element: Callable[..., Any]
+    refuse_missing: Callable[..., Any]
     refuse_no_number: Callable[..., Any]
     refuse_whole: Callable[..., Any]
     refused_sparse: Callable[..., Any]

@@ -159,6 +159,8 @@ def _one_more(size: Affine | None) -> Affine | None:
 def _reshaped_type(args: list[Type], options: Options) -> Type:
     shape = args[1]
     rank = len(shape.items) if shape.kind == "tuple" else 1
+    if args[0].is_number:       # NumPy's, an array without axes
+        return array(args[0].dtype, rank) if rank else args[0]
     return array(args[0].dtype, rank) if args[0].is_array else UNKNOWN
 
 

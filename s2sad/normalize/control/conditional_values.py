@@ -26,12 +26,13 @@ from s2sad.infer.inference import Typing
 from s2sad.infer.promotion import promote
 from s2sad.naming import Names
 from s2sad.normalize.context import NormalContext
+from s2sad.normalize.views.view_aliases import makes_view
 from s2sad.tree import (
-    AST, Assign, AugAssign, BoolOp, Expr, For, FunctionDef, If, List, Name, NotEq, Or, Return, Tuple, While, assign, at,
-    call_name, compare, const, copy, name, rebuild, user_call, walk, walk_statements, with_body,
+    AST, Assign, AugAssign, BoolOp, Expr, For, FunctionDef, If, List, Name, NotEq, Or, Return, Subscript, Tuple, While,
+    assign, at, call_name, compare, const, copy, name, rebuild, user_call, walk, walk_statements, with_body,
 )
 
-ARRAYS = ("numpy.array", "numpy.asarray")       # of a number they have no axes
+ARRAYS = ("numpy.array", "numpy.asarray", "numpy.copy")       # of a number they have no axes
 
 
 def conditional_values(function: FunctionDef, context: NormalContext) -> FunctionDef:
@@ -41,7 +42,8 @@ def conditional_values(function: FunctionDef, context: NormalContext) -> Functio
 
 
 def refuse_added_aliases(function: FunctionDef, context: NormalContext) -> None:
-    """Refuses a number in an array without axes, `np.array(0.5)`, that is added to in place under two names."""
+    """Refuses a number in an array without axes, `np.array(0.5)`, that is added to in place under two names, or written
+    in a view of it with axes."""
     kernels = context.program.kernels
     bound = {s.targets[0].id: s for s in walk_statements(function.body) if isinstance(s, Assign) and isinstance(
         s.targets[0], Name) and context.typing.of(s.value).is_number}
@@ -49,7 +51,11 @@ def refuse_added_aliases(function: FunctionDef, context: NormalContext) -> None:
         kernel := kernels.get(user_call(s.value) or "")) and any(map(_makes_number_array, walk(kernel.tree.body)))}
     for n in _aliased(function, set(held)) if held else ():
         context.report.error("S201", "a number in an array without axes has two names, and is added to in place",
-                             held[n], help="leave np.array out")
+                             held[n], help="make it a number: float(a)")
+    chosen = {n for n, s in bound.items() if call_name(s.value) == "numpy.where"}
+    for call in _written_views(function, chosen | {*held}) if chosen or held else ():
+        context.report.error("S201", "a view of a number in an array without axes, and one of them is written", call,
+                             help="make the array of the number: np.array([a]), np.full((1, 1), a)")
     for node in walk(function.body) if held else ():
         kernel = kernels.get(user_call(node) or "")
         added = {s.target.id for s in walk_statements(kernel.tree.body) if isinstance(s, AugAssign) and isinstance(
@@ -57,7 +63,7 @@ def refuse_added_aliases(function: FunctionDef, context: NormalContext) -> None:
         if kernel is not None and any(p.id in added and isinstance(a, Name) and a.id in held
                                       for p, a in zip(kernel.tree.args.args, node.args)):
             context.report.error("S201", "a number in an array without axes is given to a function that adds to it in "
-                                 "place", node, help="leave np.array out")
+                                 "place", node, help="make it a number: float(a)")
 
 
 def _makes_number_array(node: AST) -> bool:
@@ -68,6 +74,30 @@ def _aliased_choices(function: FunctionDef) -> set[str]:
     """Names of a choice with an alias that is added to in place: NumPy gives an array without axes there."""
     return _aliased(function, {s.targets[0].id for s in walk_statements(function.body) if isinstance(
         s, Assign) and isinstance(s.targets[0], Name) and call_name(s.value) == "numpy.where"})
+
+
+def _written_views(function: FunctionDef, held: set[str]) -> list[AST]:
+    """The functions that give a view of these names with axes, where that or the number itself is written."""
+    bound = [(s.targets[0].id, s.value) for s in walk_statements(function.body)
+             if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
+    shared: set[str] = set()
+    while more := {n for n, value in bound if (of := _viewed(value)) in held | shared and of != n} - shared:
+        shared |= more
+    views = [n for n in walk(function.body) if makes_view(n) and _viewed(n) in held | shared]
+    places = [t for s in walk_statements(function.body) for t in (
+        s.targets if isinstance(s, Assign) else [s.target] if isinstance(s, AugAssign) else [])
+        if isinstance(t, Subscript) or isinstance(s, AugAssign) and shared]
+    given = [a for n in walk(function.body) if user_call(n) for a in n.args]
+    written = any(_viewed(n) in held | shared for n in places) or any(
+        _viewed(a) in shared or any(a is v for v in views) for a in given)
+    return views if written else []
+
+
+def _viewed(node: AST) -> str:
+    """The name that a value is a part or a view of; "" for what is none."""
+    while isinstance(node, Subscript) or makes_view(node):
+        node = node.value if isinstance(node, Subscript) else node.args[0]
+    return node.id if isinstance(node, Name) else ""
 
 
 def _aliased(function: FunctionDef, held: set[str]) -> set[str]:

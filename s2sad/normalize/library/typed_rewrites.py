@@ -33,6 +33,7 @@ from s2sad.tree import (
 
 _CASTS = {dtype: name for name, dtype in CASTS.items() if name.startswith("numpy.")}
 CONJUGATING = ("conj", "conjugate")     # methods
+_OF_AXES = ("numpy.transpose", "numpy.squeeze")      # which a number does not have
 _REDUCING = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
 
 
@@ -70,11 +71,15 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
             return at(call("numpy.asarray", rebuild(node.args[0], change)), node)
         if call_name(node) == "builtins.abs" and len(node.args) == 1 and typing.of(node.args[0]).is_array:
             return at(call("numpy.abs", rebuild(node.args[0], change)), node)
+        if call_name(node) in _OF_AXES and len(node.args) == 1 and typing.of(node.args[0]).is_number:
+            return rebuild(node.args[0], change)
         if call_name(node) == "numpy.squeeze" and len(node.args) == 1 and all(map(is_none, (
                 k.value for k in node.keywords))) and (
                 gone := unit_axes(node.args[0], typing)):
             return at(call("numpy.squeeze", rebuild(node.args[0], change), axis=tuple_of(*map(const, gone)),
                            whole=const(True)), node)
+        if call_name(node) == "numpy.reshape" and typing.of(node.args[0]).is_number:
+            return _number_reshape(node, rebuild(node.args[0], change), typing)
         if call_name(node) == "numpy.reshape" and (made := _vector_reshape(node, typing)) is not None:
             return made
         if call_name(node) == "numpy.flip" and (made := _reversed_axes(node, typing)) is not None:
@@ -176,6 +181,13 @@ def _shape_slice(node: Subscript, typing: Typing) -> AST | None:
     if part is None or kind is None or not kind.is_array:
         return None
     return at(tuple_of(*(index(copy(shape), const(k)) for k in range(kind.rank)[part])), node)
+
+
+def _number_reshape(node: Call, number: AST, typing: Typing) -> AST:
+    """A number as an array with axes; without them it is the number."""
+    if typing.of(node).is_number:
+        return number
+    return at(Call(node.func, [call("numpy.atleast_1d", number), *node.args[1:]], node.keywords), node)
 
 
 def _vector_reshape(node: Call, typing: Typing) -> AST | None:

@@ -108,6 +108,47 @@ def asked_behind_a_loop(a):
     return s + next(it, 0.0)
 
 
+def counted(a):
+    y, n = a[0, 0] * 1.0, len(a)
+    for k in itertools.count():
+        y = y * 0.8 + a[1, k % 3] * k
+        if y > 1.0 or k > 10:
+            break
+    for j in range(2):
+        for m in itertools.count(j, 2):
+            if m >= n:
+                break
+            if m == 1:
+                continue
+            y = y * 0.5 + a[m, j] ** 2
+    return y * k
+
+
+def returned_from(a):
+    def last(y):
+        for k in itertools.count(start=3):
+            y = y * a[k - 3, 0] + k
+            if k == 5:
+                break
+        return y * k
+    return last(a[0, 0] * 1.0)
+
+
+def asked_of_items(a):
+    s = 0.0
+    for v in a[0]:
+        s += v if v.note is None else v * v
+    return s
+
+
+def tested_of_items(a):
+    s = 0.0
+    for v in a[0]:
+        if v.note == 3 or not v.flag:
+            s += v
+    return s
+
+
 def cases():
     for kernel in (products, pairs, numbered):
         yield Case(kernel, (A,), ("a",), ("a", "return"))
@@ -119,5 +160,10 @@ def cases():
     yield Case(left, (A,), "a")
     yield Case(of_an_element, (A, np.array([3])), "a")
     yield Case(rest_of_an_iterator, (A,), "a")
+    yield Case(counted, (A,), "a")
+    yield Case(returned_from, (A,), "a")
+    for kernel, place in ((asked_of_items, "v.note is None"), (tested_of_items, "v.note == 3")):
+        yield Case(kernel, (A,), refused=f"S201 at `{place}`: no number and no array has an attribute .note: ask for "
+                   "what there is, as .shape, .ndim and .size of an array")
     yield Case(asked_behind_a_loop, (A,), refused="S201 at `next(it, 0.0)`: an iterator is asked that something has "
                "gone through: make it a list: list(...)")

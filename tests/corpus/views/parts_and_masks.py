@@ -215,5 +215,4 @@ def cases():
         yield Case(guards_of_branches, (*lengths, flag), ("x", "y"), ("x", "y") if flag == 1 else ("x",))
     # the deviation of equal numbers: its derivative is nothing but rounding errors
     yield Case(of_equal_numbers, (np.full(5, 0.7), 0.3), ("x", "c"), ("x",), options={"vanishing": 1e-16})
-    yield Case(copy_of_a_number, (np.ones(3),), of=None, refused=(
-            "S201 at `x[1].copy()`: numpy.copy of a number, an array without axes: leave it out"))
+    yield Case(copy_of_a_number, (np.array([0.3, 0.7, 0.4]),), "x", "x")

@@ -50,6 +50,7 @@ def truth(ev: Evaluator, value: Value, node: AST, f: Frame) -> bool | Data:
         return bool(value.known) if value.is_known else value
     if isinstance(value, ObjectValue) and isinstance(value.value, Flag):
         return bool(value.value)
+    ev.refuse_missing(value, node)
     for name in ("__bool__", "__len__"):
         method = ev.special_method(value, name, node, f)
         if method is not None:
