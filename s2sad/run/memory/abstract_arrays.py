@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -50,6 +52,17 @@ class Meter:
         self.live -= count if kind != "disk" else 0
         for each in _groups(kind):
             self.by_kind[each] -= count
+
+    @contextmanager
+    def making(self, kind: str, rows: int | None = None, instead: Buffer | None = None) -> Iterator[None]:
+        """What is allocated now is for this, is written in its first rows alone, and takes the place of another."""
+        self.kind, self.rows = kind, rows
+        if instead is not None:
+            self.remove(instead.kind, instead.bytes)
+        yield
+        self.kind, self.rows = "work", None
+        if instead is not None:
+            self.remove(instead.kind, -instead.bytes)
 
     def state(self) -> tuple[Any, ...]:
         """What `restore` needs; what is held follows from references."""
@@ -108,13 +121,14 @@ class Buffer:
 @dataclass(frozen=True, eq=False)
 class Array:
     """An array: `buffer` is None for memory that is not counted, `content` what is known to lie in it, `temporary` says
-    that it is an intermediate result, `pushed` that it is a stack that has grown."""
+    that it is an intermediate result, `pushed` that it is a stack that has grown, `push` by how many rows at once."""
     shape: tuple[Any, ...]
     dtype: np.dtype[Any]
     buffer: Buffer | None = None
     content: Any = None
     temporary: bool = False
     pushed: Any = None
+    push: int = 1
 
     @property
     def size(self) -> Any:

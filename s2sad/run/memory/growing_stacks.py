@@ -1,7 +1,9 @@
 """Stacks of a tape as they are filled: those that are allocated in their size, and those that grow by doubling.
 
 A push in a loop that stands for all of its trips is known relatively to the beginning of a trip; how far the stack goes
-is known behind the loop, from the number of trips and from what each of them adds.
+is known behind the loop, from the number of trips and from what each of them adds. Of a stack that grows the rows count
+that are written, as no others are memory of the process: those of a copy when it is made are the old ones, beside which
+the old stack is still there.
 """
 from __future__ import annotations
 
@@ -55,9 +57,9 @@ class Stacks:
         if isinstance(stack, Array):
             rows = operated("Add", place, 1)
             if isinstance(rows, Between) and rows.base is not None:
-                frame.scope[name] = replace(stack, pushed=rows)
+                frame.scope[name] = replace(stack, pushed=rows, push=max(stack.push, _push(stack.pushed, rows)))
             else:
-                self.reach(frame, name, stack, rows)
+                self.reach(frame, name, stack, rows, bounds(rows)[1])
 
     def append(self, frame: Frame, name: str, entry: Any) -> None:
         """Something that a half of an adjoint keeps goes on a list, and counts there."""
@@ -90,7 +92,7 @@ class Stacks:
         if isinstance(rows, Between) and rows.base is not None:
             frame.scope[name] = replace(stack, pushed=rows)
         else:
-            self.reach(frame, name, stack, rows)
+            self.reach(frame, name, stack, rows, stack.push)
 
     def fills_unknown(self, frame: Frame, name: str, stack: Array, step: Any) -> None:
         """A stack onto which a loop pushes whose number of trips is not known."""
@@ -101,8 +103,8 @@ class Stacks:
         found.each = max(found.each, row * (1 if pushes == INF else max(1, int(pushes))))
         frame.scope[name] = replace(stack, pushed=UNKNOWN)
 
-    def reach(self, frame: Frame, name: str, stack: Array, rows: Any) -> None:
-        """A stack has room for so many rows: it has been doubled as often as that takes."""
+    def reach(self, frame: Frame, name: str, stack: Array, rows: Any, push: float) -> None:
+        """A stack has so many rows, by pushes of `push`: it has been doubled as often as that takes."""
         low, high = bounds(rows)
         if high == INF:
             self.differs(loops_of_values(rows))
@@ -110,21 +112,21 @@ class Stacks:
             return
         if low < high and not rows.reached:
             self.differs(loops_of_values(rows))
-        there = capacity = int(bounds(stack.shape[0])[1])
+        there, row = int(bounds(stack.shape[0])[1]), self.meter.count_of(stack.shape[1:]) * stack.dtype.itemsize
+        held = 0 if stack.buffer is None else stack.buffer.bytes
         if isinstance(stack, KeptList):
-            there, capacity = 0, max(int(high), capacity)
-        while capacity < high:
-            there, capacity = capacity, max(2 * capacity, 1)
-        if capacity == int(bounds(stack.shape[0])[1]):
+            capacity, most = max(int(high), there), 0
+        else:
+            capacity, most = _grown(there, held // row if row else 0, int(high), int(push))
+        if row * high <= held and capacity == there:
             frame.scope[name] = replace(stack, pushed=rows)
             return
-        self.meter.kind = kind = self.kinds.get((frame.function, name), "work")
-        made = allocated(self.meter, (capacity, *stack.shape[1:]), stack.dtype)
-        self.meter.kind = "work"
+        kind = self.kinds.get((frame.function, name), "work")
+        self.meter.note(kind, row * most - held)
+        with self.meter.making(kind, int(high), instead=stack.buffer):
+            made = allocated(self.meter, (capacity, *stack.shape[1:]), stack.dtype)
         assert made.buffer is not None
         made.buffer.values = None if stack.buffer is None else stack.buffer.values
-        old = made.buffer.bytes * there // max(capacity, 1)
-        self.meter.note(kind, old - (0 if stack.buffer is None else stack.buffer.bytes))
         frame.scope[name] = replace(stack, shape=made.shape, buffer=made.buffer, pushed=rows)
         self.noted(frame, name, made)
 
@@ -147,3 +149,25 @@ class Stacks:
         found = self.found.setdefault((frame.function, name), Stack())
         found.bytes = max(found.bytes, 0 if value.buffer is None else value.buffer.bytes)
         return found
+
+
+def _push(before: Any, rows: Between) -> int:
+    """How many rows a push adds to those of the one before in the same trip."""
+    same = isinstance(before, Between) and before.base == rows.base
+    added = bounds(operated("Sub", rows.offset, before.offset) if same else rows.offset)[1]
+    return int(added) if 0 < added < INF else 1
+
+
+def _grown(capacity: int, written: int, rows: int, push: int) -> tuple[int, int]:
+    """The rows for which `runtime.grow` has made room when a stack has so many, which have come behind those that are
+    written in pushes of `push`, and the most that were there at once in a stack and its copy.
+
+    >>> _grown(64, 0, 100, 1), _grown(64, 0, 1000, 500), _grown(64, 50, 1000, 1000), _grown(64, 0, 50, 1)
+    ((128, 128), (1000, 1000), (1000, 114), (64, 0))
+    """
+    most = 0
+    while capacity < rows:
+        needed = rows - (rows - capacity - 1) // push * push    # the first push for which there is no room
+        most = capacity + min(capacity, max(written, needed - push))
+        capacity = max(2 * capacity, needed)
+    return capacity, most

@@ -3,10 +3,13 @@ array and decides nothing, it is not run again."""
 from __future__ import annotations
 
 import ast
+from collections import Counter
 from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
+
+_UNSPECIFIED = ("empty", "empty_like", "allocate", "sized")
 
 
 class InertStatements:
@@ -40,6 +43,37 @@ def deciding(function: ast.FunctionDef) -> frozenset[str]:
         if more <= found:
             return frozenset(found)
         found |= more
+
+
+@lru_cache(256)
+def unwritten(function: ast.FunctionDef) -> frozenset[str]:
+    """The names of arrays of which the process has nothing in memory when they are made of unspecified content: stacks
+    that grow, and those of which nothing is written, and nothing but the shape is read."""
+    calls = [(_name_of(n), n.args[0]) for n in ast.walk(function) if isinstance(n, ast.Call) and n.args]
+    stacks = {a.id for called, a in calls if called == "grow" and isinstance(a, ast.Name)}
+    asked = [a for called, a in calls if called in ("empty_like", "zeros_like")]
+    asked += [n.value for n in ast.walk(function) if isinstance(n, ast.Attribute) and n.attr in ("shape", "dtype")]
+    made = {}
+    for statement in ast.walk(function):
+        if isinstance(statement, ast.Assign) and (name := allocated_name(statement)):
+            made[name] = made.get(name, True) and _name_of(statement.value) in _UNSPECIFIED
+    loads = Counter(n.id for n in ast.walk(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load))
+    shapes = Counter(n.id for n in asked if isinstance(n, ast.Name))
+    return frozenset(stacks | {n for n, unspecified in made.items() if unspecified and loads[n] == shapes[n]})
+
+
+def allocated_name(statement: ast.Assign) -> str:
+    """The name of the array that a statement makes, by itself or with the place behind it in an arena."""
+    target = statement.targets[0]
+    if isinstance(target, ast.Tuple) and _name_of(statement.value) in ("allocate", "allocate_zeros"):
+        target = target.elts[0]
+    return target.id if isinstance(target, ast.Name) else ""
+
+
+def _name_of(call: ast.AST) -> str:
+    """The last part of the name of what is called."""
+    called = getattr(call, "func", None)
+    return getattr(called, "attr", "") or getattr(called, "id", "")
 
 
 def _decisions(node: ast.AST) -> Iterator[ast.AST]:

@@ -20,7 +20,7 @@ from s2sad.run.memory.abstract_arrays import Array, KeptList, Meter
 from s2sad.run.memory.abstract_expressions import Expressions, either
 from s2sad.run.memory.allocating_functions import Trips
 from s2sad.run.memory.growing_stacks import Frame, Stacks, count_of_entries
-from s2sad.run.memory.inert_statements import InertStatements, deciding
+from s2sad.run.memory.inert_statements import InertStatements, allocated_name, deciding, unwritten
 from s2sad.run.memory.interval_arithmetic import (
     INF, UNKNOWN, Between, bounds, joined, loops_of_values, operated, truth,
 )
@@ -132,10 +132,12 @@ class MemoryInterpreter:
             frame.scope[own] = KeptList((0,), np.dtype("V0"))
             frame.scope[count_of_entries(own)] = 0
             return ""
-        self.meter.kind = self.kinds.get((frame.function, own), "work")
-        self.meter.rows = self.rows.get(frame.function) if self.meter.kind == "snapshots" else None
-        found = self.expressions.value(value, frame.scope)
-        self.meter.kind, self.meter.rows = "work", None
+        kind = self.kinds.get((frame.function, own), "work")
+        rows = self.rows.get(frame.function) if kind == "snapshots" else None
+        if allocated_name(statement) in unwritten(self.functions[frame.function]):
+            rows = 0
+        with self.meter.making(kind, rows):
+            found = self.expressions.value(value, frame.scope)
         for each in statement.targets:
             self.bind(each, found, frame)
         return ""
