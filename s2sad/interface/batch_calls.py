@@ -61,7 +61,7 @@ def count_of(given: Mapping[str, np.ndarray]) -> int:
 class Lists:
     """For NumPy: a list of arrays or numbers."""
 
-    def shadow(self, name: Any, like: Any, count: int, given: np.ndarray | None) -> list[Any]:
+    def shadow(self, name: Any, like: Any, count: int, given: np.ndarray | None, kept: bool = True) -> list[Any]:
         """The directions of a value, zeros if none are given."""
         if given is not None:
             return [d.item() if not d.ndim else d for d in np.array(given, order="C")]
@@ -70,6 +70,8 @@ class Lists:
     def found(self, value: Any, count: int) -> np.ndarray:
         """What a derivative has left for directions."""
         return np.array(value)
+
+    own = found
 
     def add(self, shadow: Any, given: np.ndarray) -> None:
         for k, more in enumerate(given):
@@ -82,11 +84,13 @@ class Lanes:
     def __init__(self, width: int, copies: CallCopies):
         self.width, self._copies = width, copies
 
-    def shadow(self, name: Any, like: Any, count: int, given: np.ndarray | None) -> np.ndarray:
-        """The directions of a value, zeros where none are given."""
+    def shadow(self, name: Any, like: Any, count: int, given: np.ndarray | None, kept: bool = True) -> np.ndarray:
+        """The directions of a value, zeros where none are given, in memory that is `kept` for the next call or not."""
         shape, dtype = np.shape(like) if given is None else given.shape[1:], getattr(given, "dtype", None)
-        made = self._copies.memory(("directions", name), (*shape, self.width), np.dtype(
-            dtype or getattr(like, "dtype", type(like))))
+        whole, kind = (*shape, self.width), np.dtype(dtype or getattr(like, "dtype", type(like)))
+        if given is None and not kept:
+            return np.zeros(whole, kind)
+        made = self._copies.memory(("directions", name), whole, kind) if kept else np.empty(whole, kind)
         if given is None:
             made.fill(0)
         else:
@@ -100,6 +104,12 @@ class Lanes:
         made = np.empty((count, *value.shape[:-1]), value.dtype)
         _transpose(value.reshape(-1, self.width)[:, :count], made.reshape(count, -1))
         return made
+
+    def own(self, value: Any, count: int) -> np.ndarray:
+        """The same of memory that is not kept: a view, since a copy of large arrays takes as long as their derivative,
+        unless that would hold more than twice the memory."""
+        last = value.ndim - 1
+        return value[..., :count].transpose(last, *range(last)) if 2 * count > self.width else self.found(value, count)
 
     def add(self, shadow: Any, given: np.ndarray) -> None:
         shadow[..., :len(given)] += np.moveaxis(given, 0, -1)
@@ -184,17 +194,18 @@ def jvp(call: ForwardCall, args: Sequence[Any], tangents: Mapping[str, Any], wid
     by_name = dict(zip(call.names, values))
     given = {n: directions(n, tangents[n], kinds[n], np.shape(by_name[n])) for n in call.wrt}
     batch = BatchCall(call, count_of(given), width)
-    given = _at_least_one(given)
+    given, seen = _at_least_one(given), {*call.requested} - {RETURN}
 
     def one(k: int) -> dict[str, Any]:
         return call.jvp(args, {n: _single(d, k) for n, d in given.items()})
 
     def block(many: Executable, part: slice) -> dict[str, Any]:
         held, count = dict(zip(call.names, call.private_copies(args, whole=True))), part.stop - part.start
-        shadows = {n: batch.layout.shadow(n, held[n], count, given[n][part] if n in given else None)
+        shadows = {n: batch.layout.shadow(n, held[n], count, given[n][part] if n in given else None, n not in seen)
                    for n in many.shadows}
         found = call.outputs(shadows, call.call(many, held, shadows), many.generated.returns)
-        return {n: _of_each(v, lambda value: _leaf(batch, value, count)) for n, v in found.items()}
+        return {n: batch.layout.own(v, count) if n in seen else _of_each(v, lambda value: _leaf(batch, value, count))
+                for n, v in found.items()}
     return batch.run(one, block)
 
 
@@ -231,15 +242,16 @@ def vjp(call: ReverseCall, args: Sequence[Any], seeds: Mapping[str, Any], width:
     def block(many: Executable, part: slice) -> dict[str, Any]:
         held, count = dict(zip(call.names, call.private_copies(args, whole=True))), part.stop - part.start
         layout = batch.layout
-        shadows = {n: layout.shadow(n, held[n], count, given[n][part] if n in given and n in call.of else None)
-                   for n in many.shadows}
+        shadows = {n: layout.shadow(n, held[n], count, given[n][part] if n in given and n in call.of else None,
+                                    n not in call.wrt) for n in many.shadows}
         by_place = {k: s[part] for k, s in results.items()}
         for place, name in call.results.aliases.items():
             if place in by_place:
                 layout.add(shadows[name], by_place.pop(place))
         own = [layout.shadow(k, None, count, by_place[k]) for k in places([p.primal for p in many.seeds])]
         returned = dict(zip(many.generated.returns, call.call(many, held, shadows, own)))
-        return {n: layout.found(shadows[n] if n in shadows else returned[n], count) for n in call.wrt}
+        return {n: layout.own(shadows[n], count) if n in shadows else layout.found(returned[n], count)
+                for n in call.wrt}
     if batch.many is not None:
         call.warn_of_zeros(batch.many)
     return batch.run(one, block)

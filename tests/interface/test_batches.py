@@ -38,6 +38,25 @@ def test_batches_of_the_corpus_are_their_single_directions(name, engine):
     compare_batches(case.kernel, case.arguments, wrt, case.of or ("return",), engine)
 
 
+@pytest.mark.parametrize("count", [1, 3, 4, 18])
+def test_what_a_call_found_is_its_own(count):
+    """Though compiled functions have directions along the last axis, and memory of calls is used again."""
+    args, rng = CASES["upwind"].arguments(3000), np.random.default_rng(1)
+    f, along = s2sad.differentiate(CASES["upwind"].function, engine="numba"), rng.standard_normal((count, 3000))
+    for call, name, of in ((s2sad.jvp, "u", {"of": "du"}), (s2sad.vjp, "du", {"wrt": "u"})):
+        found = call(f, args, {name: along}, batch=True, **of)[[*of.values()][0]]
+        assert found.shape == (count, 3000)
+        held = found.copy()
+        other = call(f, args, {name: along + 1.0}, batch=True, **of)[[*of.values()][0]]
+        np.testing.assert_array_equal(found, held)
+        assert not np.shares_memory(found, other)
+        found[:] = 0.0
+        np.testing.assert_array_equal(call(f, args, {name: along}, batch=True, **of)[[*of.values()][0]], held)
+        for k in (0, count - 1):
+            one = call(f, args, {name: along[k].copy()}, **of)[[*of.values()][0]]
+            np.testing.assert_allclose(held[k], one, rtol=1e-15, atol=1e-15)
+
+
 # -- what a direction decides -----------------------------------------------------------------------------------------
 
 def kinks(u, c):
