@@ -34,7 +34,16 @@ def in_dialect(functions: list[FunctionDef], units: Units) -> list[FunctionDef]:
         primals = {title: u.lowered_types for title, u in units.titled.items()}
         made = map(for_numba, functions)        # derivatives come of normal form, which binds what it reads
         return [bind_before_loops(f, primals[f.name]) if f.name in primals else f for f in made]
-    return numpy_scalars(functions, types_of(units), units.program.constants)
+    return numpy_scalars([rebuild(f, _products_of_stacks) for f in functions], types_of(units), units.program.constants)
+
+
+def _products_of_stacks(node: AST) -> AST | None:
+    """NumPy's own functions of stacks of matrices."""
+    if call_name(node) == "runtime.stacked_transpose":
+        return call("numpy.swapaxes", rebuild(node.args[0], _products_of_stacks), const(1), const(2))
+    if call_name(node) == "runtime.stacked_matmul":
+        return call("numpy.matmul", *(rebuild(a, _products_of_stacks) for a in node.args))
+    return None
 
 
 def types_of(units: Units) -> dict[str, dict[str, Type]]:

@@ -14,7 +14,7 @@ from s2sad.infer.signatures.laws import ONE, Shape, whole_number
 from s2sad.infer.slice_extents import SliceExtents
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, FloorDiv, List, Mod, Mult, Name, Subscript, Tuple, call_name, const, copy, dump,
-    index,
+    equal, index,
 )
 
 _COUNTS = ("builtins.len", "numpy.size", "numpy.count_nonzero", "builtins.abs")
@@ -115,7 +115,8 @@ class RequestedShapes(SliceExtents):
         if None in old or None in new:
             return None
         above, below = _without_common(old, new)
-        return (self._product(above), self._product(below)) if above or below else None
+        both = self._product(above), self._product(below)
+        return None if equal(*both) else both
 
     def _product(self, sizes: list[Affine]) -> AST:
         if not sizes:

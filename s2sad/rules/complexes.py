@@ -9,7 +9,8 @@ from __future__ import annotations
 HOLOMORPHIC = frozenset({
     "numpy.sum", "numpy.mean", "numpy.matmul", "numpy.einsum.matmul", "numpy.dot", "numpy.outer", "numpy.linalg.solve",
     "numpy.linalg.inv", "numpy.roll", "numpy.flip", "numpy.transpose", "numpy.moveaxis", "numpy.reshape", "numpy.ravel",
-    "numpy.broadcast_to", "numpy.tensordot"})
+    "numpy.broadcast_to", "numpy.tensordot", "numpy.einsum.tensordot", "runtime.stacked_matmul",
+    "runtime.stacked_transpose"})
 
 # transforms, whose rules are written for the inner product; `rfft` is of floats alone
 COMPLEX_TRANSFORMS = frozenset(f"numpy.fft.{f}" for f in ("fft", "ifft", "irfft"))

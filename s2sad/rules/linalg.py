@@ -12,8 +12,11 @@ arrays("numpy.outer(a, b)", law="outer", a="g @ b", b="g.T @ a")
 arrays("numpy.linalg.solve(a, b)", law="solution", shared={"s": "numpy.linalg.solve(a.T, g)"}, b="s",
        a={(2, 1): "-numpy.outer(s, y)", (2, 2): "-(s @ y.T)"}, tangent="numpy.linalg.solve(a, b_dot - a_dot @ y)")
 
-# become products and sums (normalize/library/einsum)
-arrays("numpy.tensordot(a, b, axes=2)", law="tensor")
+# of more than two axes they become these (normalize/library/expansions/stacked_products), or sums of products
+arrays("numpy.tensordot(a, b, axes=2)", law="tensor", also=("numpy.einsum.tensordot",))
+arrays("runtime.stacked_matmul(a, b)", law="stacked", a="runtime.stacked_matmul(g, runtime.stacked_transpose(b))",
+       b="runtime.stacked_matmul(runtime.stacked_transpose(a), g)")
+arrays("runtime.stacked_transpose(a)", law="stacked transpose", a="runtime.stacked_transpose(g)")
 
 arrays("numpy.linalg.inv(a)", law="matrix", a="-(y.T @ g @ y.T)", tangent="-(y @ a_dot @ y)")
 arrays("numpy.linalg.det(a)", law="determinant", a="g * runtime.cofactors(a)",

@@ -128,8 +128,8 @@ def test_imports_nothing_of_ours():
     assert ran.stdout.strip() == str(["s2sad", "s2sad.runtime", *(
         f"s2sad.runtime.{room}" for room in (
             "arena", "checkpoints", "decompositions", "directions", "exponentials", "factors", "matrices", "places",
-            "scalars", "spans", "sparse_matrices", "special", "spread", "stacks", "sums", "systems", "transforms",
-            "triangles"))])
+            "scalars", "spans", "sparse_matrices", "special", "spread", "stacked_products", "stacks", "sums", "systems",
+            "transforms", "triangles"))])
 
 
 @pytest.fixture(scope="module", params=["numpy", "numba"])

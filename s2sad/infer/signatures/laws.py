@@ -248,6 +248,7 @@ INNER = -3                   # of a second factor the axis that a product sums o
 _SAME_ENTRIES = ((("data", 0), ("rows", 0)), (("data", 0), ("columns", 0)))
 FITTING: dict[str, tuple[tuple[tuple[str, int], tuple[str, int]], ...]] = {
     **dict.fromkeys(("matmul", "dot"), ((("a", -1), ("b", INNER)),)),
+    "stacked": ((("a", -1), ("b", INNER)),),
     "sparse product": (*_SAME_ENTRIES, (("x", 0), ("n", 0))),
     "sparse left product": (*_SAME_ENTRIES, (("x", -1), ("m", 0))),
     "sparse solve": (*_SAME_ENTRIES, (("b", 0), ("m", 0)), (("m", 0), ("n", 0))),
@@ -270,6 +271,8 @@ LAWS: dict[str, Law] = {
     "spread": Law(_spread_type, lambda args, options: None),
     "matmul": Law(_matmul_type, _matmul_shape),
     "dot": Law(_dot_type, _matmul_shape),
+    "stacked": Law(_matmul_type, lambda args, options: (*args[0][:2], args[1][2])),
+    "stacked transpose": Law(_same_type, lambda args, options: (args[0][0], args[0][2], args[0][1])),
     "tensor": Law(_tensor_type, lambda args, options: None),
     "outer": Law(_outer_type, lambda args, options: (args[0] + args[1]) if len(args[0]) == len(args[1]) == 1 else None),
     "matrix": _of_matrices(2, lambda args, options: args[0]),

@@ -18,6 +18,7 @@ from s2sad.infer.inference import Typing
 from s2sad.infer.list_arrays import RESERVE
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.dtypes.operand_types import OperandTypes
+from s2sad.normalize.library.expansions.stacked_products import product_expansion
 from s2sad.live_objects.registry import ROOM
 from s2sad.rules.operation import operation
 from s2sad.rules.composed import LAW as COMPOSED
@@ -158,7 +159,8 @@ def _call(node: Call, typing: Typing, report: Report) -> None:
         report.error("S301", f"no derivative rule for {name} of an array with these options", node, help=_LOOP)
         return
     rule = rules.find_array(name)
-    if rule is not None and not rule.adjoints and rule.law != COMPOSED and name not in _ZERO_DERIVATIVE:
+    without = rule is not None and not rule.adjoints and rule.law != COMPOSED and name not in _ZERO_DERIVATIVE
+    if without and product_expansion(node, typing) is None:
         report.error("S301", f"no derivative rule for {name}", node, help=_OTHERS)
         return
     if name in _SPARSE and typing.of(node).kind == "unknown":

@@ -3,17 +3,19 @@
     def f(a: "float64[:, :]", x: "float64[:]"):         def f(a, x):
         return np.sum(np.einsum("ij,j->i", a, x))           return np.sum(np.einsum.matmul(a, x))
 
-`einsum` requires structured form, `einsum_ellipsis` and `batched_products` types too; they establish that products have
-operands of one or two axes, or are sums of elementwise products. A letter twice in one operand, but for the diagonal of
-a matrix, is left, to be refused.
+`einsum` requires structured form, `einsum_ellipsis` and `batched_products` types too; they establish that products of
+more than two axes are `np.matmul` or `np.tensordot` of floats whose sizes are equal (`expansions/stacked_products`), or
+sums of elementwise products. A letter twice in one operand, but for the diagonal of a matrix, is left, to be refused.
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import reduce
 from itertools import permutations
 
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import paired_axes
+from s2sad.infer.types import Type
 from s2sad.normalize.context import NormalContext
 from s2sad.passes import Context
 from s2sad.tree import (
@@ -25,8 +27,10 @@ _BATCH_LETTERS = "abcdefgh"
 _ELLIPSIS_LETTERS = "ABCDEF"
 _LETTERS = "ijklmnop"
 _LAST = {"numpy.dot": 2, "numpy.inner": 1}      # sum over the last axis of the first, and the last or last but one
-REPEATING = "numpy.einsum.matmul"
-_PRODUCTS = {"numpy.matmul", REPEATING, "numpy.tensordot", "numpy.outer", *_LAST}
+_REPEATING = "numpy.einsum."       # products that repeat axes of length 1
+_MATMULS = ("numpy.matmul", _REPEATING + "matmul")
+_TENSORDOTS = ("numpy.tensordot", _REPEATING + "tensordot")
+_PRODUCTS = {*_MATMULS, *_TENSORDOTS, "numpy.outer", *_LAST}
 
 
 def einsum(function: FunctionDef, context: Context) -> FunctionDef:
@@ -42,7 +46,7 @@ def einsum(function: FunctionDef, context: Context) -> FunctionDef:
         if len(inputs) == len(operands):    # the diagonals of matrices
             operands = [call("numpy.diagonal", o) if t else o for o, t in zip(operands, twice)]
             inputs = [part[0] if t else part for part, t in zip(inputs, twice)]
-        made = contraction(inputs, output, [rebuild(o, change) for o in operands], REPEATING)
+        made = contraction(inputs, output, [rebuild(o, change) for o in operands], _REPEATING)
         return None if made is None else at(made, node)
     return with_body(function, [rebuild(statement, change) for statement in function.body])
 
@@ -57,7 +61,7 @@ def einsum_ellipsis(function: FunctionDef, context: NormalContext) -> FunctionDe
     becomes
 
         def f(a, x, y):
-            y[...] = np.sum(a * x[None, None, :], axis=2)
+            y[...] = np.einsum.tensordot(a, x, axes=((2,), (0,)))
     """
     typing = context.typing
     found: list[AST] = []
@@ -102,7 +106,7 @@ def _without_ellipsis(subscripts: str, ranks: list[int]) -> str | None:
 
 
 def batched_products(function: FunctionDef, context: NormalContext) -> FunctionDef:
-    """The function with each product of stacks of matrices, and each over named axes, as products and sums.
+    """The function with each product of stacks of matrices, and each over named axes, as one of the forms above.
 
         def f(w: "float64[:]", a: "float64[:, :, :]", y: "float64[:, :]"):
             y[...] = np.dot(a, w)
@@ -110,35 +114,73 @@ def batched_products(function: FunctionDef, context: NormalContext) -> FunctionD
     becomes
 
         def f(w, a, y):
-            y[...] = np.sum(a * w[None, None, :], axis=2)
+            y[...] = np.tensordot(a, w, axes=((2,), (0,)))
     """
     typing = context.typing
-    context.guarded |= any(call_name(n) == REPEATING for n in walk(function.body))
+    context.guarded |= any((call_name(n) or "").startswith(_REPEATING) for n in walk(function.body))
+
     def change(node: AST) -> AST | None:
-        if not isinstance(node, Call) or call_name(node) not in _PRODUCTS or len(node.args) != 2:
+        called = call_name(node)
+        if not isinstance(node, Call) or called not in _PRODUCTS or len(node.args) != 2:
             return None
-        if call_name(node) == REPEATING:
-            plain = at(_repeating_product(node, typing), node)
-            return rebuild(plain, change)
         ranks = [typing.of(a).rank for a in node.args]
-        if call_name(node) == "numpy.outer":
-            return _raveled_outer(node, ranks, [rebuild(a, change) for a in node.args])
-        if call_name(node) == "numpy.tensordot":
-            return tensor_product(node, ranks, [rebuild(a, change) for a in node.args])
-        if call_name(node) == "numpy.dot" and min(ranks) < 1:
+        if called == "numpy.dot" and min(ranks) < 1:
             return at(mult(*(rebuild(a, change) for a in node.args)), node)
-        if max(ranks) < 3 or min(ranks) < 1:
+        if called == "numpy.outer":
+            return _raveled_outer(node, ranks, [rebuild(a, change) for a in node.args])
+        if max(ranks) < 3 and called in _MATMULS:
+            return rebuild(at(_repeating_product(node, typing), node), change) if called != "numpy.matmul" else None
+        if min(ranks) < 1 or max(ranks) < 3 and called in _LAST:
             return None
-        if call_name(node) in _LAST:
-            axes = tuple_of(const(ranks[0] - 1), const(max(ranks[1] - _LAST[call_name(node) or ""], 0)))
-            product = at(call("numpy.tensordot", *node.args, axes=axes), node)
-            return tensor_product(product, ranks, [rebuild(a, change) for a in node.args])
-        outer = _BATCH_LETTERS[:max(ranks) - 2]
-        left, right = ("j" if r == 1 else outer[len(outer) - (r - 2):] + own for r, own in zip(ranks, ("ij", "jk")))
-        output = outer + ("i" if ranks[0] > 1 else "") + ("k" if ranks[1] > 1 else "")
-        made = contraction([left, right], output, [rebuild(a, change) for a in node.args])
-        return None if made is None else at(made, node)
+        if called in _MATMULS:
+            return _stacked_product(node, typing, [rebuild(a, change) for a in node.args])
+        if called in _LAST:
+            axes = tuple_of(const(ranks[0] - 1), const(max(ranks[1] - _LAST[called], 0)))
+            node = at(call("numpy.tensordot", *node.args, axes=axes), node)
+        return _tensor_product(node, typing, [rebuild(a, change) for a in node.args])
     return with_body(function, [rebuild(statement, change) for statement in function.body])
+
+
+def _stacked_product(node: Call, typing: Typing, operands: list[AST]) -> AST | None:
+    """`np.matmul` of stacks."""
+    kinds = list(map(typing.argument, node.args))
+    ranks = [k.rank for k in kinds]
+    outer = _BATCH_LETTERS[:max(ranks) - 2]
+    left, right = ("j" if r == 1 else outer[len(outer) - (r - 2):] + own for r, own in zip(ranks, ("ij", "jk")))
+    output = outer + ("i" if ranks[0] > 1 else "") + ("k" if ranks[1] > 1 else "")
+    alike = len({r for r in ranks if r > 2}) == 1 and ranks[0] > 1
+    if alike and typing.of(node).is_inexact and not _repeats((left, right), kinds):
+        return at(call("numpy.matmul", *operands), node)
+    made = contraction([left, right], output, operands)
+    return None if made is None else at(made, node)
+
+
+def _tensor_product(node: Call, typing: Typing, operands: list[AST]) -> AST | None:
+    """`np.tensordot` over constant axes."""
+    kinds = list(map(typing.argument, node.args))
+    ranks = [k.rank for k in kinds]
+    pairs = paired_axes({k.arg: k.value for k in node.keywords}.get("axes"), ranks)
+    if pairs is None or sum(ranks) - len(pairs) > len(_LETTERS):
+        return None
+    left, right = list(_LETTERS[:ranks[0]]), list(_LETTERS[ranks[0]:sum(ranks)])
+    for a, b in pairs:
+        right[b] = left[a]
+    inputs = ["".join(left), "".join(right)]
+    output = "".join(c for c in (*left, *right) if (c in left) != (c in right))
+    if max(ranks) > 2 and pairs and output and typing.of(node).is_inexact and not _repeats(inputs, kinds):
+        return at(_over_axes("numpy.tensordot", operands, pairs), node)
+    made = contraction(inputs, output, operands)
+    return None if made is None else at(made, node)
+
+
+def _over_axes(called: str, operands: list[AST], pairs: list[tuple[int, int]]) -> Call:
+    return call(called, *operands, axes=tuple_of(*(tuple_of(*map(const, side)) for side in zip(*pairs))))
+
+
+def _repeats(inputs: Sequence[str], kinds: list[Type]) -> bool:
+    """Whether an axis of known length 1 in one operand goes with one in the other that may be longer."""
+    single = [{c for k, c in enumerate(part) if k in kind.ones} for part, kind in zip(inputs, kinds)]
+    return any((c in single[0]) != (c in single[1]) for c in set(inputs[0]) & set(inputs[1]))
 
 
 def _raveled_outer(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:
@@ -146,20 +188,6 @@ def _raveled_outer(node: Call, ranks: list[int], operands: list[AST]) -> AST | N
     if max(ranks) < 2 or min(ranks) < 1:
         return None
     return at(Call(node.func, [call("numpy.ravel", o) if r > 1 else o for o, r in zip(operands, ranks)], []), node)
-
-
-def tensor_product(node: Call, ranks: list[int], operands: list[AST]) -> AST | None:
-    """`np.tensordot` over constant axes."""
-    pairs = paired_axes({k.arg: k.value for k in node.keywords}.get("axes"), ranks)
-    if pairs is None or sum(ranks) - len(pairs) > len(_LETTERS):
-        return None
-    left = list(_LETTERS[:ranks[0]])
-    right = list(_LETTERS[ranks[0]:sum(ranks)])
-    for a, b in pairs:
-        right[b] = left[a]
-    output = "".join(c for c in (*left, *right) if (c in left) != (c in right))
-    made = contraction(["".join(left), "".join(right)], output, operands)
-    return None if made is None else at(made, node)
 
 
 def _subscript_letters(subscripts: str) -> tuple[list[str], str]:
@@ -173,26 +201,30 @@ def _subscript_letters(subscripts: str) -> tuple[list[str], str]:
     return inputs, output if arrow else "".join(sorted(c for c in set(operands) - {","} if operands.count(c) == 1))
 
 
-def contraction(inputs: list[str], output: str, operands: list[AST], matmul: str = "numpy.matmul") -> AST | None:
+def contraction(inputs: list[str], output: str, operands: list[AST], room: str = "") -> AST | None:
     """The product of the operands, summed over the letters that the output lacks; None if it has no such form.
-    `matmul` is the function for matrices: that of `np.einsum` alone repeats axes of length 1."""
+
+    The functions for products of matrices are in `room`, and so are those for products of stacks of these, which are
+    sums of elementwise products where there is none.
+    """
     letters = "".join(dict.fromkeys("".join(inputs)))
     plain = all(len(set(part)) == len(part) and part.isalpha() for part in inputs) and len(set(output)) == len(output)
     if not plain or not set(output) <= set(letters) or len(inputs) != len(operands) or len(letters) > 6:
         return None
     if len(operands) == 2:
-        made = _matrix_product(inputs, output, operands, matmul) or _matrix_product(
-            inputs[::-1], output, operands[::-1], matmul)
+        made = _matrix_product(inputs, output, operands, room) or _matrix_product(
+            inputs[::-1], output, operands[::-1], room)
+        made = made or (_product_of_stacks(inputs, output, operands, room) if room else None)
         if made is not None:
             return made
-    if len(operands) > 2 and (made := _pairwise(inputs, output, operands, matmul)) is not None:
+    if len(operands) > 2 and (made := _pairwise(inputs, output, operands, room)) is not None:
         return made
     order = _common_order(inputs, output, letters)
     if order is None:       # the axes of some operand are put in an order that all have
         order = output + "".join(c for c in letters if c not in output)
-        places = [[part.index(c) for c in order if c in part] for part in inputs]
-        operands = [_with_axes(o, p) for o, p in zip(operands, places)]
-        inputs = ["".join(c for c in order if c in part) for part in inputs]
+        reordered = ["".join(c for c in order if c in part) for part in inputs]
+        operands = [_reordered(o, part, new) for o, part, new in zip(operands, inputs, reordered)]
+        inputs = reordered
     product = reduce(mult, (_broadcast(part, order, operand) for part, operand in zip(inputs, operands)))
     axes = [const(k) for k, c in enumerate(order) if c not in output]
     if not axes:
@@ -201,15 +233,34 @@ def contraction(inputs: list[str], output: str, operands: list[AST], matmul: str
         "numpy.sum", product, axis=axes[0] if len(axes) == 1 else tuple_of(*axes))
 
 
-def _pairwise(inputs: list[str], output: str, operands: list[AST], matmul: str) -> AST | None:
+def _product_of_stacks(inputs: list[str], output: str, operands: list[AST], room: str) -> AST | None:
+    """The product of two operands that is one of matrices for each value of the letters that all three have; None if
+    it is none."""
+    (one, other), (a, b) = inputs, operands
+    both = [c for c in one if c in other]
+    inner, outer = ("".join(c for c in both if (c in output) == kept) for kept in (False, True))
+    left, right = ("".join(c for c in part if c not in both) for part in inputs)
+    if not inner or not output or not set(left + right) <= set(output) or max(map(len, inputs)) < 3:
+        return None
+    if not outer:
+        pairs = [(one.index(c), other.index(c)) for c in inner]
+        return _reordered(_over_axes(room + "tensordot", [a, b], pairs), left + right, output)
+    if len(left) != 1 or len(inner) != 1 or len(right) != 1:
+        return None
+    stacks = _reordered(a, one, outer + left + inner), _reordered(b, other, outer + inner + right)
+    product = call(room + "matmul", *stacks)
+    return _reordered(product, outer + left + right, output)
+
+
+def _pairwise(inputs: list[str], output: str, operands: list[AST], room: str) -> AST | None:
     """The first two operands first, so that no array is larger than these two require."""
     later = {*"".join(inputs[2:]), *output}
     middle = "".join(c for c in dict.fromkeys(inputs[0] + inputs[1]) if c in later)
-    first = contraction(inputs[:2], middle, operands[:2], matmul)
-    return None if first is None else contraction([middle, *inputs[2:]], output, [first, *operands[2:]], matmul)
+    first = contraction(inputs[:2], middle, operands[:2], room)
+    return None if first is None else contraction([middle, *inputs[2:]], output, [first, *operands[2:]], room)
 
 
-def _matrix_product(inputs: list[str], output: str, operands: list[AST], matmul: str) -> AST | None:
+def _matrix_product(inputs: list[str], output: str, operands: list[AST], room: str) -> AST | None:
     """The product of two matrices or vectors, summed over the one letter that both have."""
     both = set(inputs[0]) & set(inputs[1])
     left, right = (part.replace(c, "") for part in inputs for c in both) if len(both) == 1 else ("", "")
@@ -218,7 +269,7 @@ def _matrix_product(inputs: list[str], output: str, operands: list[AST], matmul:
     a, b = operands
     a = call("numpy.transpose", a) if len(inputs[0]) == 2 and inputs[0][0] in both else a
     b = call("numpy.transpose", b) if len(inputs[1]) == 2 and inputs[1][1] in both else b
-    return call(matmul, a, b)
+    return call(f"{room or 'numpy.'}matmul", a, b)
 
 
 def _repeating_product(node: Call, typing: Typing) -> AST:
@@ -251,12 +302,13 @@ def _common_order(inputs: list[str], output: str, letters: str) -> str | None:
     return straight or next(turned, None)
 
 
-def _with_axes(operand: AST, places: list[int]) -> AST:
-    """The operand with its axes in another order."""
-    if places == sorted(places):
+def _reordered(operand: AST, letters: str, wanted: str) -> AST:
+    """The operand, whose axes have these letters, with its axes in another order."""
+    if letters == wanted:
         return operand
-    if len(places) == 2:
+    if len(letters) == 2:
         return call("numpy.transpose", operand)
+    places = [letters.index(c) for c in wanted]
     return call("numpy.moveaxis", operand, tuple_of(*map(const, places)), tuple_of(*map(const, range(len(places)))))
 
 

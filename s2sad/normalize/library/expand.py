@@ -21,7 +21,7 @@ from s2sad.normalize.library.expansions.templates import CallArguments
 from s2sad.normalize.array_anf import named_arrays
 from s2sad.normalize.library.expansions import (
     batched_matrices, concatenation, differences, fft, indexing_and_sorting, logsumexp, norms_and_products,
-    rearrangement, reductions, selections, statistics, structured_matrices,
+    rearrangement, reductions, selections, stacked_products, statistics, structured_matrices,
 )
 from s2sad.rules.composed import WRITING
 from s2sad.rules.rule import resolved
@@ -60,8 +60,10 @@ def _expansion(node: AST, typing: Typing) -> Callable[[CallArguments], str] | No
     rule = rules.find_array(call_name(node))
     if rule is not None and rule.value:
         return lambda _: f"result = {rule.value}"
-    return _EXPANSIONS.get(call_name(node) or "") or (
-        batched_matrices.batched_expansion(node, typing) if isinstance(node, Call) else None)
+    if not isinstance(node, Call):
+        return None
+    return _EXPANSIONS.get(call_name(node) or "") or batched_matrices.batched_expansion(
+        node, typing) or stacked_products.product_expansion(node, typing)
 
 
 def is_composed(node: AST, typing: Typing) -> bool:

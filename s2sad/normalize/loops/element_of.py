@@ -106,21 +106,20 @@ def _outer(elements: Elements, node: AST, positions: list[AST]) -> AST:
 
 
 def _reshape(elements: Elements, node: AST, positions: list[AST]) -> AST:
-    """By way of the number of an element in row-major order."""
+    """By way of the number of an element in row-major order, where axes are not the same at either end."""
     x = node.args[0]
-    shape = elements.shapes.of(node)
-    kept = [(p, s) for p, s in zip(positions, shape) if s != ONE]
-    inner = [k for k, s in enumerate(elements.shapes.of(x)) if s != ONE]
+    kept = [(p, s) for p, s in zip(positions, elements.shapes.of(node)) if s != ONE]
+    inner = [(k, s) for k, s in enumerate(elements.shapes.of(x)) if s != ONE]
     moved: list[AST] = [const(0)] * elements.typing.of(x).rank
-    if len(kept) == len(inner) == 1:
-        moved[inner[0]] = kept[0][0]
-        return elements.element(x, moved)
+    for end in (-1, 0):
+        while kept and inner and (len(kept) == len(inner) == 1 or kept[end][1] == inner[end][1] is not None):
+            moved[inner.pop(end)[0]] = kept.pop(end)[0]
     number = kept[0][0] if kept else const(0)
     for position, size in kept[1:]:
         assert size is not None
         number = add(mult(number, elements.shapes.expression(size)), position)
-    for k in reversed(inner):
-        moved[k] = number if k == inner[0] else BinOp(copy(number), Mod(), elements.size_of(x, k))
+    for k, _ in reversed(inner):
+        moved[k] = number if k == inner[0][0] else BinOp(copy(number), Mod(), elements.size_of(x, k))
         number = BinOp(number, FloorDiv(), elements.size_of(x, k))
     return elements.element(x, moved)
 
