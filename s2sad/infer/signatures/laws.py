@@ -161,7 +161,7 @@ def _reshaped_type(args: list[Type], options: Options) -> Type:
     rank = len(shape.items) if shape.kind == "tuple" else 1
     if args[0].is_number:       # NumPy's, an array without axes
         return array(args[0].dtype, rank) if rank else args[0]
-    return array(args[0].dtype, rank) if args[0].is_array else UNKNOWN
+    return of_rank(args[0], rank) if args[0].is_array else UNKNOWN
 
 
 def _spread_type(args: list[Type], options: Options) -> Type:

@@ -26,7 +26,7 @@ from s2sad.infer.inference import Typing
 from s2sad.infer.promotion import promote
 from s2sad.naming import Names
 from s2sad.normalize.context import NormalContext
-from s2sad.normalize.views.view_aliases import makes_view
+from s2sad.normalize.views.views_without_axes import makes_view
 from s2sad.tree import (
     AST, Assign, AugAssign, BoolOp, Expr, For, FunctionDef, If, List, Name, NotEq, Or, Return, Subscript, Tuple, While,
     assign, at, call_name, compare, const, copy, name, rebuild, user_call, walk, walk_statements, with_body,

@@ -80,6 +80,9 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
                            whole=const(True)), node)
         if call_name(node) == "numpy.reshape" and typing.of(node.args[0]).is_number:
             return _number_reshape(node, rebuild(node.args[0], change), typing)
+        if call_name(node) == "numpy.reshape" and typing.of(node).is_number:
+            every = tuple_of(*map(const, range(typing.of(node.args[0]).rank)))
+            return at(call("numpy.squeeze", rebuild(node.args[0], change), axis=every), node)
         if call_name(node) == "numpy.reshape" and (made := _vector_reshape(node, typing)) is not None:
             return made
         if call_name(node) == "numpy.flip" and (made := _reversed_axes(node, typing)) is not None:

@@ -29,7 +29,7 @@ from s2sad.normalize.lists.list_contents import COPIED, row_aliases
 from s2sad.normalize.lists.escaping_lists import escaping_lists, has_sizes
 from s2sad.evaluate.scope import KernelScope
 from s2sad.liveness import base_name
-from s2sad.normalize.views.view_aliases import makes_view
+from s2sad.normalize.views.views_without_axes import makes_view
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BoolOp, Break, Call, Constant, Continue, Eq, For, FunctionDef, Gt, If,
     IfExp, List, Name, Not, Raise, Return, Slice, Store, Sub, Subscript, Tuple, USub, UnaryOp, add, assign, at,

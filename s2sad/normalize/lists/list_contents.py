@@ -15,7 +15,7 @@ from s2sad.infer.list_arrays import LISTED, is_reused, list_arrays, stored_list
 from s2sad.liveness import base_name
 from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.normalize.lists.capacity import Appended, own_parts
-from s2sad.normalize.views.view_aliases import makes_view
+from s2sad.normalize.views.views_without_axes import makes_view
 from s2sad.program import Program
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, If, IfExp, List, Name,

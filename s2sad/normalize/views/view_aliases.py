@@ -20,28 +20,20 @@ from s2sad.infer.shapes import single_values
 from s2sad.infer.signatures.laws import whole_number
 from s2sad.liveness import Accesses, Liveness, base_name, read_names, targets
 from s2sad.normalize.context import NormalContext
+from s2sad.normalize.views.views_without_axes import (
+    ELEMENT, WITHOUT_AXES, makes_view, refuse_elsewhere, views_without_axes,
+)
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, IfExp, List, Mult, Name,
     Slice, Sub, Subscript, Tuple, USub, UnaryOp, call_name, copy, dump, indices, names, times_bound, user_call, walk,
     walk_statements,
 )
 
-VIEW_FUNCTIONS = {f"numpy.{f}" for f in (
-    "transpose", "reshape", "ravel", "flip", "fliplr", "flipud", "rot90", "asarray", "ascontiguousarray", "squeeze",
-    "swapaxes", "moveaxis", "expand_dims", "atleast_1d", "atleast_2d", "atleast_3d", "broadcast_to", "diagonal", "diag",
-    "split", "array_split", "hsplit", "vsplit", "real", "imag", "lib.stride_tricks.sliding_window_view")}
 _SLICED = {f"numpy.{f}" for f in ("squeeze", "expand_dims", "atleast_1d", "atleast_2d",
                                  "atleast_3d")}     # `pieces` writes subscripts
 _ALIASES = {"numpy.asarray", "numpy.ascontiguousarray"}
 Links = dict[str, dict[str, bool]]
 Writes = Callable[[Call], list[str]]
-
-
-def makes_view(node: AST) -> bool:
-    """Whether a call may give a view of its first argument, or that itself, as the first power of a matrix is (a
-    constant one is spelled so)."""
-    power = call_name(node) == "numpy.linalg.matrix_power" and whole_number(node.args[1]) is None
-    return isinstance(node, Call) and bool(node.args) and (call_name(node) in VIEW_FUNCTIONS or power)
 
 
 def unsupported_views(function: FunctionDef, context: NormalContext) -> None:
@@ -58,9 +50,15 @@ def unsupported_views(function: FunctionDef, context: NormalContext) -> None:
     these views and their operands alike; changes nothing.
     """
     typing, writes, report = context.typing, context.written_arrays, context.report
-    for statement in dict.fromkeys(s for s, _, _ in diverging_stores(function, typing, writes)):
-        report.error("S201", "an array is written that NumPy shares with another one, which is a view of it by a "
-                     "function", statement, help="write into the array itself, or take a copy: np.copy(...)")
+    refuse_elsewhere(function, context, _links(function, typing))
+    found = {s: typing.table[n].is_number or typing.table[other].is_number
+             for s, n, other in diverging_stores(function, typing, writes)}
+    for statement, of_number in found.items():
+        if of_number:
+            report.error("S201", f"{WITHOUT_AXES}, and it or its array is written", statement, help=ELEMENT)
+        else:
+            report.error("S201", "an array is written that NumPy shares with another one, which is a view of it by a "
+                         "function", statement, help="write into the array itself, or take a copy: np.copy(...)")
 
 
 def diverging_stores(function: FunctionDef, typing: Typing, writes: Writes) -> Iterator[tuple[AST, str, str]]:
@@ -75,8 +73,10 @@ def diverging_stores(function: FunctionDef, typing: Typing, writes: Writes) -> I
             continue
         value = statement.value
         called = user_call(value)
+        added = {t.id for t in targets(statement) if isinstance(t, Name) and t.id in links} if isinstance(
+            statement, AugAssign) else set()
         near = live.after[id(statement)] | parameters | (read_names(value) if called else set())
-        for n in sorted(stored_arrays(statement, typing, writes)):
+        for n in sorted(stored_arrays(statement, typing, writes) | added):
             yield from ((statement, n, other) for other in sorted(near) if _diverge(n, other, links))
 
 
@@ -106,11 +106,13 @@ def sources(statement: AST, typing: Typing) -> list[tuple[AST, bool]]:
 
 
 def _links(function: FunctionDef, typing: Typing) -> Links:
-    """The names that each name may be a view of; true where a function makes it."""
+    """The names that each name may be a view of; true where a function makes it, or it is a number here."""
     direct: dict[str, set[tuple[str, bool]]] = {}
     for statement in walk(function.body):
         for source, by_function in sources(statement, typing):
             direct.setdefault(statement.targets[0].id, set()).add((base_name(source), by_function))
+    for n, above in views_without_axes(function, typing).items():
+        direct.setdefault(n, set()).update((m, True) for m in above)
     return {n: _above(n, direct) for n in direct}
 
 

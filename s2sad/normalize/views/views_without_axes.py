@@ -1,0 +1,97 @@
+"""views_without_axes: numbers that are views of an array's element in NumPy, which follow what is stored there.
+
+    c = x[0, ...]       np.squeeze(x[:1])       np.reshape(x[:1], ())
+
+`x[0]` is a number of its own, and so is each of these here: `view_aliases` refuses stores that would show it.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from s2sad.infer.inference import Typing
+from s2sad.infer.signatures.laws import whole_number
+from s2sad.liveness import base_name
+from s2sad.normalize.context import NormalContext
+from s2sad.tree import (
+    AST, Assign, AugAssign, Call, Constant, FunctionDef, IfExp, Name, Return, Subscript, Tuple, call_name, indices,
+    user_call, walk, walk_statements,
+)
+
+_VIEW_FUNCTIONS = {f"numpy.{f}" for f in (
+    "transpose", "reshape", "ravel", "flip", "fliplr", "flipud", "rot90", "asarray", "ascontiguousarray", "squeeze",
+    "swapaxes", "moveaxis", "expand_dims", "atleast_1d", "atleast_2d", "atleast_3d", "broadcast_to", "diagonal", "diag",
+    "split", "array_split", "hsplit", "vsplit", "real", "imag", "lib.stride_tricks.sliding_window_view")}
+WITHOUT_AXES = "a view without axes, x[0, ...] or np.squeeze(x[:1])"
+ELEMENT = "take the element, x[0], or a number: float(...)"
+
+
+def makes_view(node: AST) -> bool:
+    """Whether a call may give a view of its first argument, or that itself, as the first power of a matrix is (a
+    constant one is spelled so)."""
+    power = call_name(node) == "numpy.linalg.matrix_power" and whole_number(node.args[1]) is None
+    return isinstance(node, Call) and bool(node.args) and (call_name(node) in _VIEW_FUNCTIONS or power)
+
+
+def views_without_axes(function: FunctionDef, typing: Typing) -> dict[str, set[str]]:
+    """The names that may be such a view, with the arrays and the names that each may be one of."""
+    found: dict[str, set[str]] = {}
+    same: dict[str, set[str]] = {}
+    for statement in walk(function.body):
+        if not isinstance(statement, Assign) or not isinstance(statement.targets[0], Name):
+            continue
+        bound = statement.targets[0].id
+        for value in _alternatives(statement.value):
+            if _views_element(value, typing):
+                found.setdefault(bound, set()).add(_viewed(value))
+            elif isinstance(value, Name) and typing.of(value).is_number:
+                same.setdefault(value.id, set()).add(bound)
+    waiting = [n for n in found if n in same]
+    while waiting:
+        for other in same.pop(n := waiting.pop(), ()):
+            found.setdefault(other, set()).add(n)
+            waiting.append(other)
+    return found
+
+
+def refuse_elsewhere(function: FunctionDef, context: NormalContext, links: Mapping[str, Iterable[str]]) -> None:
+    """Refuses such a view where another function may write it or its array: given to one that adds to it in place, or
+    of an argument and returned to one; `links` are the names that each may be a view of."""
+    typing, kernels = context.typing, context.program.kernels
+    names, arguments = views_without_axes(function, typing), {p.id for p in function.args.args}
+
+    def is_view(node: AST) -> bool:
+        return isinstance(node, Name) and node.id in names or _views_element(node, typing)
+
+    def outlives(node: AST) -> bool:
+        return is_view(node) and not arguments.isdisjoint({_viewed(node), *links.get(_viewed(node), ())})
+    for node in walk(function.body):
+        kernel = kernels.get(user_call(node) or "")
+        if kernel is not None and isinstance(node, Call):
+            added = {s.target.id for s in walk_statements(kernel.tree.body)
+                     if isinstance(s, AugAssign) and isinstance(s.target, Name)}
+            if any(p.id in added and is_view(a) for p, a in zip(kernel.tree.args.args, node.args)):
+                context.report.error("S201", f"{WITHOUT_AXES}, is given to a function that adds to it in place", node,
+                                     help=ELEMENT)
+        if isinstance(node, Return) and node.value is not None and context.kernel.name != context.program.entry:
+            parts = node.value.elts if isinstance(node.value, Tuple) else [node.value]
+            if any(outlives(a) for part in parts for a in _alternatives(part)):
+                context.report.error("S201", f"{WITHOUT_AXES}, is returned to another function", node, help=ELEMENT)
+
+
+def _alternatives(value: AST) -> list[AST]:
+    return [n for part in (value.body, value.orelse) for n in _alternatives(part)] if isinstance(
+        value, IfExp) else [value]
+
+
+def _views_element(node: AST, typing: Typing) -> bool:
+    open_ended = isinstance(node, Subscript) and any(
+        isinstance(s, Constant) and s.value is Ellipsis for s in indices(node))
+    viewed = node.value if open_ended else node.args[0] if makes_view(node) else None
+    return viewed is not None and typing.of(node).is_number and (
+        typing.of(viewed).is_array or _views_element(viewed, typing))
+
+
+def _viewed(node: AST) -> str:
+    while makes_view(node):
+        node = node.args[0]
+    return base_name(node)
