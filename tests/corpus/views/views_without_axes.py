@@ -92,5 +92,5 @@ def cases():
         yield Case(kernel, (X,), refused=f"S201 at `{place}`: {view}, and it or its array is written: {do}")
     yield Case(of_a_function, (X,), refused=f"S201 at `return x[0, ...]`: {view}, is returned to another function: "
                f"{do}")
-    yield Case(in_a_function, (X,), refused=f"S201 at `add_one(x[0, ...])`: {view}, is given to a function that adds to "
-               f"it in place: {do}")
+    yield Case(in_a_function, (X,), refused=f"S201 at `add_one(x[0, ...])`: {view}, is given to a function that "
+               f"adds to it in place: {do}")
