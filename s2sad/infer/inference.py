@@ -336,8 +336,7 @@ class _Inference(Typing):
             self._enter(identifier, array(dtype, item.rank + 1))
 
     def bind(self, identifier: str, new: Type, place: AST) -> None:
-        self._join_ones(identifier, new.ones)
-        old, new = self.table.get(identifier), new.plain
+        old, ones, new = self.table.get(identifier), new.ones, new.plain
         if self.final and (old or new).kind == "unknown":
             note, help = _hint(getattr(place, "value", None))
             self.report.error("S203", f"the type of '{identifier}' cannot be inferred", place, note, help)
@@ -350,7 +349,8 @@ class _Inference(Typing):
                 self.conflicting.add(identifier)
                 self.report.error("S203", f"'{identifier}' is bound to {old} and to {new}", place,
                                   help=_rebinding_help(old, new))
-            return
+            return      # it is another name, or refused
+        self._join_ones(identifier, ones)
         self._enter(identifier, joined)
 
     def _join_ones(self, identifier: str, new: tuple[int, ...]) -> None:

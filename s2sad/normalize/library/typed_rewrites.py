@@ -76,6 +76,7 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
         if call_name(node) == "numpy.squeeze" and len(node.args) == 1 and all(map(is_none, (
                 k.value for k in node.keywords))) and (
                 gone := unit_axes(node.args[0], typing)):
+            context.guarded |= len(gone) < typing.of(node.args[0]).rank     # others may have length 1
             return at(call("numpy.squeeze", rebuild(node.args[0], change), axis=tuple_of(*map(const, gone)),
                            whole=const(True)), node)
         if call_name(node) == "numpy.reshape" and typing.of(node.args[0]).is_number:

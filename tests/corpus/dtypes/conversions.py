@@ -57,6 +57,11 @@ def squeezed_number(x):
     return np.sum(np.squeeze(x[:, None]))
 
 
+def squeezed_rows(x, n):
+    rows = np.ones((n, 1)) * x[0]
+    return np.sum(np.squeeze(rows))
+
+
 def out_of_range(x):
     return np.sum(np.flip(x, axis=1))
 
@@ -92,9 +97,10 @@ def cases():
         yield Case(kernel, (X, X), ("x", "y"))
         yield Case(kernel, (single, X), "x")
     yield Case(squeezed, (X, A, 1.0 + A[:1], SMALL), ("x", "k"))
-    yield Case(squeezed_number, (X[:1],), refused=(
-            "S501 at `np.squeeze(x[:, None])`: np.squeeze without an axis leaves out every axis of length 1: "
-            "x.shape[0] is 1: name it"))
+    yield Case(squeezed_number, (X[:1],), "x")
+    yield Case(squeezed_rows, (X, 1), refused=(
+            "S501 at `np.squeeze(rows)`: np.squeeze without an axis leaves out every axis of length 1: rows.shape[0] "
+            "is 1: name it"))
     for kernel in (converted, ordered, counted_up, made):
         yield Case(kernel, (X, A, FEW, SMALL), ("x", "a"))
     for kernel, refused in (
