@@ -33,6 +33,7 @@ from s2sad.tree import (
 
 _CASTS = {dtype: name for name, dtype in CASTS.items() if name.startswith("numpy.")}
 CONJUGATING = ("conj", "conjugate")     # methods
+_OF_A_NUMBER = {"shape": tuple_of(), "ndim": const(0), "size": const(1)}     # of one of NumPy's
 _OF_AXES = ("numpy.transpose", "numpy.squeeze")      # which a number does not have
 _REDUCING = ("numpy.sum", "numpy.prod", "numpy.mean", "numpy.cumsum", "numpy.cumprod", "numpy.std", "numpy.var")
 
@@ -91,6 +92,8 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
         if call_name(node) == "numpy.count_nonzero" and len(node.args) == 1 and not node.keywords and (
                 kind := typing.of(node.args[0])).is_number and not kind.is_complex:
             return at(_number_count(rebuild(node.args[0], change), kind), node)
+        if isinstance(node, Attribute) and node.attr in _OF_A_NUMBER and typing.of(node.value).is_number:
+            return at(copy(_OF_A_NUMBER[node.attr]), node)
         if call_name(node) in ("numpy.size", "numpy.ndim") and (made := _array_property(node, typing)) is not None:
             return rebuild(made, change)
         if isinstance(node, Call) and (rule := find_array(call_name(node))) is not None and (
