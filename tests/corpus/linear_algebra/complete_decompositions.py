@@ -86,11 +86,11 @@ def complete_and_tall(a):
 
 
 def of_eight_axes(a):
-    return np.sum(np.dot(a[None, None], a[None, None]))
+    return np.sum(np.dot(a[None, None], a[None, None]) ** 2)
 
 
 def of_eight_axes_in_pairs(a):
-    return np.sum(np.inner(a[None, None], a[None, None]))
+    return np.sum(np.inner(a[None, None], a[None, None]) ** 2)
 
 
 def in_the_middle_mode(a):
@@ -130,14 +130,9 @@ def cases():
              'S501 at `np.linalg.qr(a[:, :2], mode="complete")`: more columns of q than the smaller size of the '
              "matrix are not determined: a.shape[0] is 3, min(2, a.shape[1]) is 2: pass mode='reduced'")):
         yield Case(kernel, (np.eye(3),), refused=refused)
-    for kernel, refused in (
-            (of_eight_axes,
-             "S301 at `np.dot(a[None, None], a[None, None])`: no derivative rule for numpy.dot: write it as a loop "
-             "over the elements"),
-            (of_eight_axes_in_pairs,
-             "S301 at `np.inner(a[None, None], a[None, None])`: no derivative rule for numpy.inner: write it as a "
-             "loop over the elements"),
-            (in_the_middle_mode,
-             'S301 at `np.linalg.qr(a, mode="raw")`: no derivative rule for numpy.linalg.qr: write q, r = '
-             "np.linalg.qr(a), in the reduced mode")):
-        yield Case(kernel, (np.eye(3),), of=None, refused=refused)
+    yield Case(in_the_middle_mode, (np.eye(3),), of=None, refused=(
+        'S301 at `np.linalg.qr(a, mode="raw")`: no derivative rule for numpy.linalg.qr: write q, r = '
+        "np.linalg.qr(a), in the reduced mode"))
+    # results of six axes
+    for kernel in (of_eight_axes, of_eight_axes_in_pairs):
+        yield Case(kernel, (np.eye(3) + np.arange(9.0).reshape(3, 3) / 10.0,), "a")
