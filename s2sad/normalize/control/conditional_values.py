@@ -26,7 +26,7 @@ from s2sad.infer.inference import Typing
 from s2sad.infer.promotion import promote
 from s2sad.naming import Names
 from s2sad.normalize.context import NormalContext
-from s2sad.normalize.views.views_without_axes import makes_view
+from s2sad.normalize.views.views_without_axes import makes_view, viewed
 from s2sad.tree import (
     AST, Assign, AugAssign, BoolOp, Expr, For, FunctionDef, If, List, Name, NotEq, Or, Return, Subscript, Tuple, While,
     assign, at, call_name, compare, const, copy, name, rebuild, user_call, walk, walk_statements, with_body,
@@ -81,23 +81,16 @@ def _written_views(function: FunctionDef, held: set[str]) -> list[AST]:
     bound = [(s.targets[0].id, s.value) for s in walk_statements(function.body)
              if isinstance(s, Assign) and isinstance(s.targets[0], Name)]
     shared: set[str] = set()
-    while more := {n for n, value in bound if (of := _viewed(value)) in held | shared and of != n} - shared:
+    while more := {n for n, value in bound if (of := viewed(value)) in held | shared and of != n} - shared:
         shared |= more
-    views = [n for n in walk(function.body) if makes_view(n) and _viewed(n) in held | shared]
+    views = [n for n in walk(function.body) if makes_view(n) and viewed(n) in held | shared]
     places = [t for s in walk_statements(function.body) for t in (
         s.targets if isinstance(s, Assign) else [s.target] if isinstance(s, AugAssign) else [])
         if isinstance(t, Subscript) or isinstance(s, AugAssign) and shared]
     given = [a for n in walk(function.body) if user_call(n) for a in n.args]
-    written = any(_viewed(n) in held | shared for n in places) or any(
-        _viewed(a) in shared or any(a is v for v in views) for a in given)
+    written = any(viewed(n) in held | shared for n in places) or any(
+        viewed(a) in shared or any(a is v for v in views) for a in given)
     return views if written else []
-
-
-def _viewed(node: AST) -> str:
-    """The name that a value is a part or a view of; "" for what is none."""
-    while isinstance(node, Subscript) or makes_view(node):
-        node = node.value if isinstance(node, Subscript) else node.args[0]
-    return node.id if isinstance(node, Name) else ""
 
 
 def _aliased(function: FunctionDef, held: set[str]) -> set[str]:

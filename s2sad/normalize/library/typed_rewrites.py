@@ -25,6 +25,7 @@ from s2sad.normalize.context import NormalContext
 from s2sad.normalize.control.conditional_values import ARRAYS, refuse_added_aliases
 from s2sad.normalize.library.separated_subscripts import separated_subscripts
 from s2sad.rules import find_array
+from s2sad.normalize.views.views_without_axes import views_element, views_without_axes
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Compare, Constant, FloorDiv, FunctionDef, In, Is, IsNot, List, Mod, Mult,
     Name, NotEq, NotIn, Slice, Sub, Subscript, Tuple, at, attribute, call, call_name, const, copy, index, indices, mult,
@@ -46,6 +47,8 @@ def sum_start(items: int) -> Constant:
 def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef:
     typing = context.typing
     refuse_added_aliases(function, context)
+    views = views_without_axes(function, typing)
+
     def change(node: AST) -> AST | None:
         if isinstance(node, BinOp) and isinstance(node.op, Add) and isinstance(
                 node.left, Constant) and node.left.kind in ("start", "alone"):
@@ -65,6 +68,9 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
             return _shape_slice(node, typing)
         if isinstance(node, Subscript) and (made := separated_subscripts(node, typing)) is not None:
             return rebuild(made, change)
+        if call_name(node) == "numpy.asarray" and typing.of(node) == typing.of(node.args[0]) and (
+                views_element(node.args[0], typing) or isinstance(node.args[0], Name) and node.args[0].id in views):
+            return rebuild(node.args[0], change)    # which it is, and `view_aliases` is to see
         if call_name(node) in ARRAYS and (kind := typing.of(node)).is_number:
             return at(call(_CASTS[kind.dtype], rebuild(node.args[0], change)), node)
         if (dtype := CASTS.get(call_name(node) or "")) and isinstance(node, Call) and len(node.args) == 1 and (

@@ -10,11 +10,10 @@ from collections.abc import Iterable, Mapping
 
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import whole_number
-from s2sad.liveness import base_name
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
-    AST, Assign, AugAssign, Call, Constant, FunctionDef, IfExp, Name, Return, Subscript, Tuple, call_name, indices,
-    user_call, walk, walk_statements,
+    AST, Assign, AugAssign, BoolOp, Call, Constant, FunctionDef, IfExp, List, Name, Return, Subscript, Tuple, call_name,
+    indices, user_call, walk, walk_statements,
 )
 
 _VIEW_FUNCTIONS = {f"numpy.{f}" for f in (
@@ -33,16 +32,16 @@ def makes_view(node: AST) -> bool:
 
 
 def views_without_axes(function: FunctionDef, typing: Typing) -> dict[str, set[str]]:
-    """The names that may be such a view, with the arrays and the names that each may be one of."""
+    """The names that may be such a view, or a view of one with axes, and the names that each may be one of."""
     found: dict[str, set[str]] = {}
     same: dict[str, set[str]] = {}
     for statement in walk(function.body):
         if not isinstance(statement, Assign) or not isinstance(statement.targets[0], Name):
             continue
         bound = statement.targets[0].id
-        for value in _alternatives(statement.value):
-            if _views_element(value, typing):
-                found.setdefault(bound, set()).add(_viewed(value))
+        for value in (_without_axes(v, typing) for v in _alternatives(statement.value)):
+            if views_element(value, typing):
+                found.setdefault(bound, set()).add(viewed(value))
             elif isinstance(value, Name) and typing.of(value).is_number:
                 same.setdefault(value.id, set()).add(bound)
     waiting = [n for n in found if n in same]
@@ -60,10 +59,10 @@ def refuse_elsewhere(function: FunctionDef, context: NormalContext, links: Mappi
     names, arguments = views_without_axes(function, typing), {p.id for p in function.args.args}
 
     def is_view(node: AST) -> bool:
-        return isinstance(node, Name) and node.id in names or _views_element(node, typing)
+        return isinstance(node, Name) and node.id in names or views_element(node, typing)
 
     def outlives(node: AST) -> bool:
-        return is_view(node) and not arguments.isdisjoint({_viewed(node), *links.get(_viewed(node), ())})
+        return is_view(node) and not arguments.isdisjoint({viewed(node), *links.get(viewed(node), ())})
     for node in walk(function.body):
         kernel = kernels.get(user_call(node) or "")
         if kernel is not None and isinstance(node, Call):
@@ -79,19 +78,34 @@ def refuse_elsewhere(function: FunctionDef, context: NormalContext, links: Mappi
 
 
 def _alternatives(value: AST) -> list[AST]:
-    return [n for part in (value.body, value.orelse) for n in _alternatives(part)] if isinstance(
-        value, IfExp) else [value]
+    """The expressions of which a value is one: those that it chooses from, itself if it chooses from none."""
+    if call_name(value) in ("builtins.max", "builtins.min"):
+        parts = [n for a in value.args for n in (a.elts if isinstance(a, (List, Tuple)) else [a])]
+    elif not isinstance(value, (IfExp, BoolOp)):
+        return [value]
+    else:
+        parts = [value.body, value.orelse] if isinstance(value, IfExp) else value.values
+    return [n for part in parts for n in _alternatives(part)]
 
 
-def _views_element(node: AST, typing: Typing) -> bool:
+def _without_axes(node: AST, typing: Typing) -> AST:
+    """What a view is one of that has no axes; else what is below all functions."""
+    while makes_view(node) and not views_element(node, typing):
+        node = node.args[0]
+    return node
+
+
+def views_element(node: AST, typing: Typing) -> bool:
+    """Whether an expression is such a view."""
     open_ended = isinstance(node, Subscript) and any(
         isinstance(s, Constant) and s.value is Ellipsis for s in indices(node))
     viewed = node.value if open_ended else node.args[0] if makes_view(node) else None
     return viewed is not None and typing.of(node).is_number and (
-        typing.of(viewed).is_array or _views_element(viewed, typing))
+        typing.of(viewed).is_array or views_element(viewed, typing))
 
 
-def _viewed(node: AST) -> str:
-    while makes_view(node):
-        node = node.args[0]
-    return base_name(node)
+def viewed(node: AST) -> str:
+    """The name that a value is a part or a view of; "" for what is none."""
+    while isinstance(node, Subscript) or makes_view(node):
+        node = node.value if isinstance(node, Subscript) else node.args[0]
+    return node.id if isinstance(node, Name) else ""

@@ -70,6 +70,48 @@ def in_a_function(x):
     return add_one(x[0, ...]) + np.sum(x * x)
 
 
+def written_row(x):
+    m = np.atleast_1d(x[0, ...])
+    m[0] = 5.0 * x[1]
+    return np.sum(x * x)
+
+
+def row_of_a_view(x):
+    m = np.atleast_1d(np.squeeze(x[:1]))
+    x[0] = 5.0 * x[1]
+    return m[0] * x[1]
+
+
+def repeated(x):
+    c = np.broadcast_to(x[0, ...], (3,))
+    x[0] = 5.0 * x[1]
+    return np.sum(c * x[:3])
+
+
+def the_same_array(x):
+    c = np.asarray(x[0, ...], dtype=float)
+    x[0] = 5.0 * x[1]
+    return c * x[1]
+
+
+def chosen(x):
+    c = max(x[0, ...], x[1, ...])
+    x[1] = 5.0 * x[2]
+    return c * x[2]
+
+
+def chosen_from_a_list(x):
+    c = min([np.squeeze(x[:1]), np.squeeze(x[1:2]), 3.0]) or x[2, ...]
+    x[0] = -2.0 * x[1]
+    return c * x[3]
+
+
+def chosen_and_only_read(x):
+    h = max(0.0, np.squeeze(x[:1]))
+    k = np.atleast_1d(np.squeeze(x[1:2]))
+    return h * k[0] + np.asarray(x[2, ...]) * np.sum(np.broadcast_to(x[0, ...], (3,)))
+
+
 class Held:
     def __init__(self, x):
         self.c = x[0, ...]
@@ -84,12 +126,18 @@ def in_an_object(x):
 def cases():
     yield Case(only_read, (X,), "x", ("return", "x"))
     yield Case(read_before_the_store, (X,), "x")
+    yield Case(chosen_and_only_read, (X,), "x")
     view = "a view without axes, x[0, ...] or np.squeeze(x[:1])"
     do = "take the element, x[0], or a number: float(...)"
     for kernel, place in ((array_written, "x[0] = 5.0 * x[1]"), (view_written, "c *= 3.0"),
                           (under_two_names, "x[0] = 3.0"), (in_a_loop, "x[i] = c * x[i + 1]"),
-                          (in_an_object, "x[0] = 5.0 * x[1]")):
+                          (in_an_object, "x[0] = 5.0 * x[1]"), (the_same_array, "x[0] = 5.0 * x[1]"),
+                          (chosen, "x[1] = 5.0 * x[2]"), (chosen_from_a_list, "x[0] = -2.0 * x[1]")):
         yield Case(kernel, (X,), refused=f"S201 at `{place}`: {view}, and it or its array is written: {do}")
+    for kernel, place in ((written_row, "m[0] = 5.0 * x[1]"), (row_of_a_view, "x[0] = 5.0 * x[1]"),
+                          (repeated, "x[0] = 5.0 * x[1]")):
+        yield Case(kernel, (X,), refused=f"S201 at `{place}`: an array is written that NumPy shares with another one, "
+                   "which is a view of it by a function: write into the array itself, or take a copy: np.copy(...)")
     yield Case(of_a_function, (X,), refused=f"S201 at `return x[0, ...]`: {view}, is returned to another function: "
                f"{do}")
     yield Case(in_a_function, (X,), refused=f"S201 at `add_one(x[0, ...])`: {view}, is given to a function that "
