@@ -25,7 +25,7 @@ from s2sad.normalize.context import NormalContext
 from s2sad.normalize.control.conditional_values import ARRAYS, refuse_added_aliases
 from s2sad.normalize.library.separated_subscripts import separated_subscripts
 from s2sad.rules import find_array
-from s2sad.normalize.views.views_without_axes import views_element, views_without_axes
+from s2sad.normalize.views.views_without_axes import refuse_listed, views_element, views_without_axes
 from s2sad.tree import (
     AST, Add, Attribute, BinOp, Call, Compare, Constant, FloorDiv, FunctionDef, In, Is, IsNot, List, Mod, Mult,
     Name, NotEq, NotIn, Slice, Sub, Subscript, Tuple, at, attribute, call, call_name, const, copy, index, indices, mult,
@@ -48,6 +48,7 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
     typing = context.typing
     refuse_added_aliases(function, context)
     views = views_without_axes(function, typing)
+    refuse_listed(function, context, views)
 
     def change(node: AST) -> AST | None:
         if isinstance(node, BinOp) and isinstance(node.op, Add) and isinstance(

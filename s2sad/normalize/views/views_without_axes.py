@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import whole_number
+from s2sad.liveness import targets
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
     AST, Assign, AugAssign, BoolOp, Call, Constant, FunctionDef, IfExp, List, Name, Return, Subscript, Tuple, call_name,
@@ -50,6 +51,24 @@ def views_without_axes(function: FunctionDef, typing: Typing) -> dict[str, set[s
             found.setdefault(other, set()).add(n)
             waiting.append(other)
     return found
+
+
+def refuse_listed(function: FunctionDef, context: NormalContext, views: Mapping[str, set[str]]) -> None:
+    """Refuses such a view in a display of an array where what it is a view of may be written: a list that is sorted has
+    become such a display, and holds the view itself in Python; `views` are the names that are views, with of what."""
+    stored = {viewed(t) for s in walk_statements(function.body) for t in targets(s)
+              if isinstance(t, Subscript) or isinstance(s, AugAssign)}
+    stored |= {viewed(a) for n in walk(function.body) if user_call(n) for a in n.args}
+    for node in walk(function.body):
+        if call_name(node) == "numpy.array" and isinstance(node.args[0], (List, Tuple)):
+            for item in node.args[0].elts:
+                above, more = set[str](), {viewed(item)} if views_element(item, context.typing) or isinstance(
+                    item, Name) and item.id in views else set()
+                while more - above:
+                    above |= more
+                    more = {m for n in more for m in views.get(n, ())}
+                if above & stored:
+                    context.report.error("S201", f"{WITHOUT_AXES}, and it or its array is written", item, help=ELEMENT)
 
 
 def refuse_elsewhere(function: FunctionDef, context: NormalContext, links: Mapping[str, Iterable[str]]) -> None:

@@ -106,6 +106,25 @@ def chosen_from_a_list(x):
     return c * x[3]
 
 
+def sorted_items(x):
+    c = np.squeeze(x[:1])
+    d, e = sorted([c, x[1], 0.1])[:2]
+    x[0] = 5.0 * x[1]
+    return d * x[2] * e
+
+
+def chosen_by_a_key(x):
+    c = max([x[0, ...], x[1, ...]], key=lambda v: v * v)
+    x[1] = 5.0 * x[2]
+    return c * x[3]
+
+
+def sorted_and_only_read(x):
+    y = np.array([np.squeeze(x[:1]), x[1]])
+    z = sorted([x[0, ...], x[2, ...]])
+    return y[0] * y[1] * z[0]
+
+
 def chosen_and_only_read(x):
     h = max(0.0, np.squeeze(x[:1]))
     k = np.atleast_1d(np.squeeze(x[1:2]))
@@ -127,12 +146,14 @@ def cases():
     yield Case(only_read, (X,), "x", ("return", "x"))
     yield Case(read_before_the_store, (X,), "x")
     yield Case(chosen_and_only_read, (X,), "x")
+    yield Case(sorted_and_only_read, (X,), "x")
     view = "a view without axes, x[0, ...] or np.squeeze(x[:1])"
     do = "take the element, x[0], or a number: float(...)"
     for kernel, place in ((array_written, "x[0] = 5.0 * x[1]"), (view_written, "c *= 3.0"),
                           (under_two_names, "x[0] = 3.0"), (in_a_loop, "x[i] = c * x[i + 1]"),
                           (in_an_object, "x[0] = 5.0 * x[1]"), (the_same_array, "x[0] = 5.0 * x[1]"),
-                          (chosen, "x[1] = 5.0 * x[2]"), (chosen_from_a_list, "x[0] = -2.0 * x[1]")):
+                          (chosen, "x[1] = 5.0 * x[2]"), (sorted_items, "c"),
+                          (chosen_by_a_key, "x[1] = 5.0 * x[2]"), (chosen_from_a_list, "x[0] = -2.0 * x[1]")):
         yield Case(kernel, (X,), refused=f"S201 at `{place}`: {view}, and it or its array is written: {do}")
     for kernel, place in ((written_row, "m[0] = 5.0 * x[1]"), (row_of_a_view, "x[0] = 5.0 * x[1]"),
                           (repeated, "x[0] = 5.0 * x[1]")):
