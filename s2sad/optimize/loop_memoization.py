@@ -40,8 +40,9 @@ becomes
 
 *Requires* finished text for Numba and the types of its names; two nests over one iteration space in one block, between
 which nothing writes an operand. *Establishes* the same values. Where an array of the kernel still holds the value, it
-is read there; else one buffer serves all iterations of the enclosing loop. The derivative of tanh, which is computed
-beside it, shares its exponential (`runtime.sech_squared`).
+is read there; else one buffer serves all iterations of the enclosing loop, and where there is none the value is
+computed again: that buffer would be a tape. The derivative of tanh, which is computed beside it, shares its exponential
+(`runtime.sech_squared`).
 """
 from __future__ import annotations
 
@@ -66,18 +67,14 @@ from s2sad.tree import (
 
 CHANGES_ROUNDING = False
 
+
 def loop_memoization(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
     """The function with such values kept; `writing` are the functions that write arrays."""
     types, writing = context.types, context.writing
     if not any(map(is_expensive, walk(function.body))):
         return function
     new, found = copy(function), _LoopMemoization(function, types, writing)
-    new.body = []
-    for statement in function.body:
-        found.extents.assume(statement)
-        made = with_blocks(statement, found.block) if isinstance(statement, (For, While)) else statement
-        new.body += [*found.allocations, made]
-        found.allocations = []
+    new.body = found.whole_body(function.body)
     return new
 
 
@@ -91,10 +88,40 @@ class _ExpensiveValue:
     argument: AST
     unconditional: bool
 
-    def is_available_from(self, other: _ExpensiveValue) -> bool:
-        """Whether the value can be computed where the other one is."""
-        same = other.function == self.function or self.function == "slope" and other.function.endswith(".tanh")
-        return same and dump(self.argument) == dump(other.argument)
+    def key(self, counters: list[str]) -> tuple[str, str]:
+        """What is equal for equal values of nests whose counters have other names."""
+        places = {c: name(f"<{k}>") for k, c in enumerate(counters)}
+        return self.function, dump(rebuild(self.argument, lambda n: places.get(n.id) if isinstance(n, Name) else None))
+
+    def offered(self, counters: list[str]) -> list[tuple[str, str]]:
+        """The keys of the values that can be computed where this one is."""
+        function, argument = self.key(counters)
+        return [(function, argument)] + [("slope", argument)] * function.endswith(".tanh")
+
+
+@dataclass
+class _Source:
+    """A value that a nest computes, and the position of the nest in its block."""
+    position: int
+    nest: Nest
+    value: _ExpensiveValue
+
+
+class _Block:
+    """A block on the way through it: the nests so far, the values that they offer, latest last, and where each name was
+    last changed."""
+
+    def __init__(self) -> None:
+        self.nests: dict[int, Nest] = {}
+        self.offers: dict[tuple[str, str], list[_Source]] = {}
+        self.changed: dict[str, int] = {}
+
+    def offer(self, position: int, nest: Nest) -> None:
+        """Adds the values of a nest."""
+        self.nests[position] = nest
+        for value in _expensive_values(nest):
+            for key in value.offered(nest.counters) if value.unconditional else []:
+                self.offers.setdefault(key, []).append(_Source(position, nest, value))
 
 
 class _LoopMemoization:
@@ -105,47 +132,73 @@ class _LoopMemoization:
         self.free = Names({n.id for n in walk(function) if isinstance(n, Name)} | set(types))
         self.allocations: list[AST] = []
 
-    def block(self, block: list[AST]) -> list[AST]:
-        """A block inside of a loop."""
-        block = [with_blocks(s, self.block) if isinstance(s, (For, While, If)) else s for s in block]
-        nests = {k: nest for k, s in enumerate(block) if isinstance(s, For) and (
-            nest := perfect_nest(s, self.extents)) is not None and any(map(is_expensive, walk(s)))}
-        moving = [changed_names(s, self.writing) for s in block]
-        for last, taking in nests.items():
-            for first in [k for k in nests if k < last][::-1]:
-                self.reuse(nests[first], taking, moving[first:last + 1])
-        return [nests[k].with_body(nests[k].body) if k in nests else s for k, s in enumerate(block)]
+    def whole_body(self, body: list[AST]) -> list[AST]:
+        """The function's own block, in which only arrays of the kernel are read again: a buffer would be a tape."""
+        made: list[AST] = []
+        block = _Block()
+        for statement in body:
+            self.extents.assume(statement)
+            inner = with_blocks(statement, self.block) if isinstance(statement, (For, While)) else statement
+            made += [*self.allocations, inner]
+            self.allocations = []
+            self.add(block, len(made) - 1, inner, may_allocate=False)
+        return [block.nests[k].with_body(block.nests[k].body) if k in block.nests else s for k, s in enumerate(made)]
 
-    def reuse(self, giving: Nest, taking: Nest, moving: list[set[str]]) -> None:
-        """Stores the values that two nests compute, where nothing between them writes an operand."""
-        if len(giving.loops) != len(taking.loops) or giving.starts != taking.starts or not (
-                self.extents.are_equal(giving.trip_counts, taking.trip_counts)):
-            return
-        counters, still = dict(zip(taking.counters, map(name, giving.counters))), set().union(*moving)
+    def block(self, body: list[AST]) -> list[AST]:
+        """A block inside of a loop."""
+        body = [with_blocks(s, self.block) if isinstance(s, (For, While, If)) else s for s in body]
+        block = _Block()
+        for position, statement in enumerate(body):
+            self.add(block, position, statement, may_allocate=True)
+        return [block.nests[k].with_body(block.nests[k].body) if k in block.nests else s for k, s in enumerate(body)]
+
+    def add(self, block: _Block, position: int, statement: AST, may_allocate: bool) -> None:
+        """Lets the next statement of a block read what nests before it computed."""
+        nest = perfect_nest(statement, self.extents) if isinstance(statement, For) and any(
+            map(is_expensive, walk(statement))) else None
+        moving = changed_names(statement, self.writing)
+        if nest is not None:
+            self.take(block, nest, moving, may_allocate)
+            block.offer(position, nest)
+        block.changed.update(dict.fromkeys(moving, position))
+
+    def take(self, block: _Block, nest: Nest, moving: set[str], may_allocate: bool) -> None:
+        """Reads the values in a nest which others computed, where nothing between them writes an operand."""
         places: dict[int, AST] = {}
         kept: set[int] = set()      # nodes of values that are kept: what is within one is computed no more
-        for value in _expensive_values(taking):
-            if id(value.node) in kept or (set(names(value.argument)) - set(taking.counters)) & still or not (
-                    is_double(value.argument, self.types, taking.counters)):
+        for value in _expensive_values(nest):
+            operands = set(names(value.argument)) - set(nest.counters)
+            if id(value.node) in kept or operands & moving or not is_double(
+                    value.argument, self.types, nest.counters):
                 continue
-            value.argument = rebuild(value.argument, lambda n: copy(counters[n.id]) if isinstance(
-                n, Name) and n.id in counters else None)
-            array = self.buffer_of(value, giving, set().union(*moving[1:]))
+            array = next(filter(None, (self.buffer_of(value, source, block, moving, may_allocate)
+                                       for source in self.sources(block, value, nest, operands))), "")
             if array:
-                places[id(value.node)] = index(name(array), *map(name, taking.counters))
+                places[id(value.node)] = index(name(array), *map(name, nest.counters))
                 kept |= {id(n) for n in walk(value.node)}
         if places:
-            taking.body = [rebuild(s, lambda n: copy(places[id(n)]) if id(n) in places else None) for s in taking.body]
+            nest.body = [rebuild(s, lambda n: copy(places[id(n)]) if id(n) in places else None) for s in nest.body]
 
-    def buffer_of(self, value: _ExpensiveValue, giving: Nest, moving: set[str]) -> str:
-        """The array that holds a value behind the nest that computes it, empty if that nest does not."""
-        source = next((v for v in _expensive_values(giving) if v.unconditional and value.is_available_from(v)), None)
-        if source is None:
-            return ""
-        return self.existing_buffer(value, source, giving, moving) or self.new_buffer(value, source, giving)
+    def sources(self, block: _Block, value: _ExpensiveValue, nest: Nest, operands: set[str]) -> Iterator[_Source]:
+        """Where earlier nests over one iteration space compute a value of a nest, the latest first."""
+        written = max((block.changed.get(n, -1) for n in operands), default=-1)
+        for source in reversed(block.offers.get(value.key(nest.counters), [])):
+            if source.position <= written:
+                return
+            if len(source.nest.loops) == len(nest.loops) and source.nest.starts == nest.starts and (
+                    self.extents.are_equal(source.nest.trip_counts, nest.trip_counts)):
+                yield source
 
-    def existing_buffer(self, value: _ExpensiveValue, source: _ExpensiveValue, giving: Nest, moving: set[str]) -> str:
-        """The array in which the first nest stores the value anyway, and which nothing overwrites behind it."""
+    def buffer_of(self, value: _ExpensiveValue, source: _Source, block: _Block, moving: set[str],
+                  may_allocate: bool) -> str:
+        """The array that holds a value behind the nest that computes it, empty if there is none."""
+        existing = self.existing_buffer(value, source.value, source.nest)
+        if existing and existing not in moving and block.changed.get(existing, -1) <= source.position:
+            return existing
+        return self.new_buffer(value, source.value, source.nest) if may_allocate else ""
+
+    def existing_buffer(self, value: _ExpensiveValue, source: _ExpensiveValue, giving: Nest) -> str:
+        """The array in which the first nest stores the value anyway, and overwrites it nowhere."""
         if value.function != source.function:
             return ""
         made, place = _value_expression(source), dump(tuple_of(*map(name, giving.counters)))
@@ -157,8 +210,7 @@ class _LoopMemoization:
                     tuple_of(*indices(target))) == place and dump(statement.value) == dump(made):
                 array = target.value.id
                 double = array not in self.types or self.types[array].dtype == "float64"   # or keeps another value
-                if double and array not in moving and sum(base_name(t) == array
-                                                          for t in stored_elements(giving.body)) == 1:
+                if double and sum(base_name(t) == array for t in stored_elements(giving.body)) == 1:
                     return array
         return ""
 

@@ -8,7 +8,8 @@ import pytest
 
 from s2sad import differentiate
 from tests.corpus.loops.loop_memoization import (
-    X, argument_moves, hyperbolic, in_place_of_its_array, of_a_moving_name, one_more, only_inside, overwritten,
+    X, argument_moves, at_the_top, at_the_top_of_what_moves, at_the_top_overwritten, hyperbolic, in_place_of_its_array,
+    of_a_moving_name, one_more, only_inside, overwritten,
 )
 from tests.harness.engines import running
 
@@ -31,6 +32,14 @@ def test_what_is_kept(kernel, allocated, read):
     text = _fast(kernel)
     assert text.count("_kept, top = allocate(") == allocated
     assert text.count("_kept[") == allocated + read
+
+
+@pytest.mark.parametrize("kernel, computed", [
+    (at_the_top, 1), (at_the_top_overwritten, 2), (at_the_top_of_what_moves, 5)])
+def test_the_functions_own_block_has_no_buffers(kernel, computed):
+    text = _fast(kernel)
+    assert text.count(" exp(") == computed
+    assert "_kept" not in text
 
 
 def test_an_array_that_holds_it_still():

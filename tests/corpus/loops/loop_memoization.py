@@ -98,6 +98,34 @@ def both(x, w):
     return out
 
 
+def at_the_top(x, w):
+    e = np.exp(x - np.max(x, axis=-1, keepdims=True))
+    return np.sum(e / np.sum(e, axis=-1, keepdims=True) * w)
+
+
+def at_the_top_overwritten(x, w):
+    e = np.exp(x * w)
+    e /= np.sum(e)
+    return np.sum(e * e * x)
+
+
+def at_the_top_of_what_moves(x, w):
+    e = np.exp(x * w)
+    x += 0.1 * e
+    f = np.exp(x * w)
+    w += 0.1 * np.sum(f * e, axis=0)
+    return np.sum(f * e) + np.sum(np.exp(x * w))
+
+
+def at_the_top_in_a_branch(x, w):
+    e = np.zeros_like(x)
+    if w[0] > 0.0:
+        e[:] = np.exp(x * w)
+    else:
+        e[:] = np.exp(x * w * 2.0)
+    return np.sum(e * np.exp(x * w))
+
+
 TURN = 0.5j
 
 
@@ -113,7 +141,9 @@ def of_complex_numbers(x, w):
 
 def cases():
     w = np.array([0.4, -0.3, 0.6, 0.9])
-    for kernel in (overwritten, hyperbolic, in_place_of_its_array, both):
+    for kernel in (overwritten, hyperbolic, in_place_of_its_array, both, at_the_top, at_the_top_overwritten,
+                   at_the_top_in_a_branch):
         yield Case(kernel, (X, w), ("x", "w"))
-    for kernel in (of_complex_numbers, argument_moves, one_more, only_inside, of_a_moving_name, twice_in_one):
+    for kernel in (of_complex_numbers, argument_moves, one_more, only_inside, of_a_moving_name, twice_in_one,
+                   at_the_top_of_what_moves):
         yield Case(kernel, (X, w), ("x", "w"), ("x",))
