@@ -65,12 +65,12 @@ class Shift:
 @dataclass
 class RecordingPlan:
     """The table. Keys are ids of statements and blocks of the function that was analysed: `rerun` are the loops that
-    run again, `reversed` the compound
-    statements with something to reverse, `reallocated` the allocations in loops whose arrays the reverse sweep binds
-    again, `after` the statements whose adjoints run in the state that they leave, `halves` the calls whose adjoints are
-    the sweeps of a function, of which the tapes are kept (`tapes` is their weight), `unread` those that the forward
-    sweep leaves out. `dtypes` are those of entries that
-    take less than what is recorded, by its key, `exact` has the statements for whose sake floats are not rounded."""
+    run again, `reversed` the compound statements with something to reverse, `reallocated` the allocations in loops
+    whose arrays the reverse sweep binds again, `after` the statements whose adjoints run in the state that they leave,
+    `halves` the calls whose adjoints are the sweeps of a function, of which the tapes are kept (`tapes` is their
+    weight), `unread` those that the forward sweep leaves out, `between` the values that are computed again from what is
+    recorded. `dtypes` are those of entries that take less than what is recorded, by its key, `exact` has the statements
+    for whose sake floats are not rounded."""
     rerun: Mapping[int, IterationState] = field(default_factory=dict)
     values: dict[str, ReverseValue] = field(default_factory=dict)
     recorded: dict[str, ReverseValue] = field(default_factory=dict)
@@ -90,6 +90,15 @@ class RecordingPlan:
     unread: frozenset[int] = frozenset()
     tapes: int = 0
     readers: dict[str, list[AST]] = field(default_factory=dict)
+    between: set[str] = field(default_factory=set)
+
+    def concerned_loops(self, structure: ProgramStructure) -> set[int]:
+        """The loops in which something that is recorded is bound, stored, computed again or read: no other can lower
+        the weight by running again."""
+        values = [self.values[key] for key in self.between | self.recorded.keys() if key in self.values]
+        found = [s.statement for s in self.stores.values()] + [s for read in self.readers.values() for s in read]
+        found += [s for v in values for s in (v.home, *v.bindings)]
+        return {id(x) for s in found for x in (s, *structure.place(s).loops)}
 
     @property
     def snapshots(self) -> list[Snapshot]:

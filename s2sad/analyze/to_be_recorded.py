@@ -125,10 +125,13 @@ def recording_plan(problem: RecordingProblem, memory: Economy) -> RecordingPlan:
 def rerun_plan(problem: RecordingProblem, memory: Economy) -> RecordingPlan:
     """The plan of least weight in which loops run again."""
     plan = plan_for(problem, {})
+    concerned = plan.concerned_loops(problem.structure)
     for place in sorted(problem.structure.places.values(), key=lambda p: p.order):
         loop = place.statement
-        if isinstance(loop, For) and plan.weight and not any(id(x) in plan.rerun for x in place.loops):
-            plan = _lighter(plan, loop, problem, memory)
+        if isinstance(loop, For) and id(loop) in concerned and not any(id(x) in plan.rerun for x in place.loops):
+            other = _lighter(plan, loop, problem, memory)
+            if other is not plan:
+                plan, concerned = other, other.concerned_loops(problem.structure)
     return plan
 
 

@@ -189,6 +189,7 @@ class RecordingPlanner(RecomputationPlaces):
                 elif user not in seen and user not in self.result.recorded:
                     seen.add(user)
                     waiting.append(user)
+        self.result.between |= seen
         return sorted({id(s): s for s in found}.values(), key=lambda s: self.structure.place(s).order)
 
     def recomputed(self, cut: Collection[str]) -> dict[str, None]:
