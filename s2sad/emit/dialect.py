@@ -40,7 +40,7 @@ def in_dialect(functions: list[FunctionDef], units: Units) -> list[FunctionDef]:
 def _products_of_stacks(node: AST) -> AST | None:
     """NumPy's own functions of stacks of matrices."""
     if call_name(node) == "runtime.stacked_transpose":
-        return call("numpy.swapaxes", rebuild(node.args[0], _products_of_stacks), const(1), const(2))
+        return call("numpy.swapaxes", rebuild(node.args[0], _products_of_stacks), const(-2), const(-1))
     if call_name(node) == "runtime.stacked_matmul":
         return call("numpy.matmul", *(rebuild(a, _products_of_stacks) for a in node.args))
     return None

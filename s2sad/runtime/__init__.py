@@ -38,7 +38,7 @@ from s2sad.runtime.sparse_matrices import (
 )
 from s2sad.runtime.special import digamma, entr, expit, gammaln, kl_div, logit, rel_entr, xlog1py, xlogy
 from s2sad.runtime.spread import extreme_mask, extreme_place, scattered, spread, strong_zero
-from s2sad.runtime.stacked_products import stacked_matmul, stacked_transpose
+from s2sad.runtime.stacked_products import flat_stack, stacked_matmul, stacked_transpose
 from s2sad.runtime.stacks import grow, sized
 from s2sad.runtime.sums import added, blocked_sum, pairwise_sum
 from s2sad.runtime.systems import cg, dense, gmres, solved_by
@@ -56,7 +56,8 @@ __all__ = [
     "crowded", "dense", "det_sign", "digamma", "eigenvalues_change", "eigenvalues_gain", "eigenvectors",
     "eigenvectors_change", "eigenvectors_gain", "element", "ends", "entr", "exp", "exp_less_one", "expit",
     "expm1", "exponent", "exponential", "exponential_change", "extend", "extreme_mask", "extreme_place",
-    "factor_panel", "factored", "factorial", "factors_gain", "fft", "fft_adjoint", "fitted", "from_lower",
+    "factor_panel", "factored", "factorial", "factors_gain", "fft", "fft_adjoint", "fitted", "flat_stack",
+    "from_lower",
     "gammaln", "gmres", "grow", "half_lower", "heaviside", "ifft", "ifft_adjoint", "irfft", "irfft_adjoint",
     "isclose", "isqrt", "kl_div", "lanes", "lcm", "least_squares", "least_squares_change", "left_vectors",
     "left_vectors_change", "left_vectors_gain", "less_one", "log_det", "logit", "mapped", "of_matrix",

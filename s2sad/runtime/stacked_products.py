@@ -12,18 +12,19 @@ def stacked_matmul(a, b):
     <BLANKLINE>
            [[21.]]])
     """
-    products = np.empty((a.shape[0], a.shape[1], b.shape[2]), a.dtype)
-    if a.shape[1] * a.shape[2] * b.shape[2] > 256:
-        for place in range(a.shape[0]):
-            np.dot(np.ascontiguousarray(a[place]), np.ascontiguousarray(b[place]), products[place])
+    products = np.empty(a.shape[:-1] + (b.shape[-1],), a.dtype)
+    left, right, made = flat_stack(a), flat_stack(b), flat_stack(products)
+    if left.shape[1] * left.shape[2] * right.shape[2] > 256:
+        for place in range(left.shape[0]):
+            np.dot(left[place], right[place], made[place])
         return products
-    for place in range(a.shape[0]):
-        for i in range(a.shape[1]):
-            for k in range(b.shape[2]):
+    for place in range(left.shape[0]):
+        for i in range(left.shape[1]):
+            for k in range(right.shape[2]):
                 total = a.dtype.type(0)
-                for j in range(a.shape[2]):
-                    total += a[place, i, j] * b[place, j, k]
-                products[place, i, k] = total
+                for j in range(left.shape[2]):
+                    total += left[place, i, j] * right[place, j, k]
+                made[place, i, k] = total
     return products
 
 
@@ -34,9 +35,22 @@ def stacked_transpose(a):
     array([[[1.],
             [2.]]])
     """
-    turned = np.empty((a.shape[0], a.shape[2], a.shape[1]), a.dtype)
-    for place in range(a.shape[0]):
-        for i in range(a.shape[1]):
-            for j in range(a.shape[2]):
-                turned[place, j, i] = a[place, i, j]
+    turned = np.empty(a.shape[:-2] + (a.shape[-1], a.shape[-2]), a.dtype)
+    given, made = flat_stack(a), flat_stack(turned)
+    for place in range(given.shape[0]):
+        for i in range(given.shape[1]):
+            for j in range(given.shape[2]):
+                made[place, j, i] = given[place, i, j]
     return turned
+
+
+def flat_stack(stack) -> np.ndarray:
+    """The stack with one axis that counts its matrices, contiguous.
+
+    >>> flat_stack(np.zeros((2, 3, 4, 5))).shape
+    (6, 4, 5)
+    """
+    count = 1
+    for size in stack.shape[:-2]:
+        count *= size
+    return np.ascontiguousarray(stack).reshape((count, stack.shape[-2], stack.shape[-1]))

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import paired_axes
-from s2sad.normalize.library.expansions.templates import CallArguments, guard, lines, size, sizes
+from s2sad.normalize.library.expansions.templates import CallArguments, guard, lines, size
 from s2sad.normalize.shape_guards import EQUAL
 from s2sad.tree import Call, call_name
 
@@ -44,16 +44,9 @@ def _flattened(args: CallArguments) -> str:
 
 
 def _matmul(args: CallArguments) -> str:
-    """Two stacks, as stacks with three axes."""
-    rank = args.rank("a")
-    fits = [guard(f"{size('a', k)} == {size('b', k)}", EQUAL) for k in range(rank - 2)]
-    if rank == 3:
-        return lines(*fits, "result = runtime.stacked_matmul(a, b)")
-    count = " * ".join(sizes("a", rank - 2))
-    left, right = (f"numpy.reshape({x}, ({count}, {size(x, rank - 2)}, {size(x, rank - 1)}))" for x in "ab")
-    whole = [*sizes("a", rank - 1), size("b", rank - 1)]
-    return lines(*fits, f"left = {left}", f"right = {right}", "product = runtime.stacked_matmul(left, right)",
-                 f"result = numpy.reshape(product, ({', '.join(whole)}))")
+    """Two stacks of as many."""
+    fits = [guard(f"{size('a', k)} == {size('b', k)}", EQUAL) for k in range(args.rank("a") - 2)]
+    return lines(*fits, "result = runtime.stacked_matmul(a, b)")
 
 
 def _product(args: CallArguments, pairs: list[tuple[int, int]], made: str = "result") -> list[str]:
