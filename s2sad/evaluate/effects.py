@@ -20,7 +20,8 @@ from s2sad.tree import (
 FRESH = {"builtins." + f for f in "range len int float bool abs round".split()} | {
     "numpy." + f for f in "zeros ones empty full zeros_like ones_like empty_like full_like array copy arange linspace "
     "sqrt exp log sin cos tan tanh sum dot mean abs maximum minimum where outer eye concatenate stack roll diff "
-    "cumsum cumprod".split()}
+    "cumsum cumprod matmul inner tensordot kron hstack vstack column_stack append tile repeat sort convolve prod std "
+    "var clip linalg.solve linalg.inv linalg.pinv linalg.cholesky linalg.eigvalsh linalg.det linalg.norm".split()}
 _GIVEN_BACK = {f"numpy.{f}" for f in ("real", "imag", "float64", "float32")}    # these may give what they are given
 FRESH_METHODS = {"copy", "sum", "mean", "min", "max", "item", "dot", "prod"}
 STABLE = {"shape", "size", "ndim", "dtype"}             # what a store into an array cannot change

@@ -184,9 +184,10 @@ class _ArrayAnf:
         return next((n for n in parts if id(n) not in inside), None)
 
     def named_argument(self, argument: AST, before: list[AST]) -> AST:
-        """An argument of a kernel's call: an array that is computed has a name."""
+        """An argument of a kernel's call: an array that is computed or picked has a name, and a shadow of its own."""
         inner = self.hoisted(argument, before)
-        computed = self.typing.of(inner).is_array and not isinstance(inner, (Name, Subscript))
+        computed = self.typing.of(inner).is_array and (
+            not isinstance(inner, (Name, Subscript)) or self.is_gather(inner))
         return name(self.bind(argument, inner, before)) if computed else inner
 
     def index_arrays(self, node: Subscript) -> list[AST]:

@@ -234,6 +234,8 @@ def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Fr
     if own is not None:
         raise ev.refusal(node, "'in' of a named tuple, whose class defines '__contains__'", help="call its method")
     if isinstance(b, Reference) and ev.heap[b].kind in ("dict", "set"):
+        if isinstance(a, Data) and a.shape == () and not a.is_known and not a.demands:
+            return _is_a_key(ev, a, b, wanted, node)
         return constant((ev.key_of(a, node) in ev.heap[b].items) is wanted)
     if isinstance(b, Reference) and ev.heap[b].kind == "record":
         found = ev.truth(ev.call(ev.attribute_of(b, "__contains__", node, f), [a], {}, node, f), node, f)
@@ -261,6 +263,16 @@ def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Fr
     if isinstance(found, bool):
         return constant(found is wanted)
     return found if wanted else Data(tree.at(_negated(found.node), node), demands=found.demands)
+
+
+def _is_a_key(ev: Evaluator, a: Data, b: Reference, wanted: bool, node: AST) -> Value:
+    """Whether a number that only the run knows is a key: which keys there are is known."""
+    tests: list[AST] = [tree.Compare(ev.spelled(a, node), [tree.Eq()], [tree.const(key)]) for key in ev.heap[b].items
+                        if isinstance(key, (int, float))]
+    if not tests:
+        return constant(not wanted)
+    test = tests[0] if len(tests) == 1 else tree.BoolOp(tree.Or(), tests)
+    return Data(tree.at(test if wanted else _negated(test), node), shape=())
 
 
 def _is_or_equals(item: AST, may_be: bool) -> AST:

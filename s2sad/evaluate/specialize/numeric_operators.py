@@ -80,6 +80,9 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
         known = [_text_operand(v) for v in (left, right)]
         if UNKNOWN in known:
             return OpaqueValue(demands=demands_of(left, right))
+    for value in (left, right) if texts else ():
+        if isinstance(value, Data) and not value.is_known and value.demands:
+            raise ev.unknown(node, "what a text is joined with must be known before the run", value)
     found = ev.container_operator(op, left, right, node, f)
     if found is not None:
         return found

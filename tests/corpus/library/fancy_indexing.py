@@ -57,8 +57,38 @@ def of_columns(a):
     return picked.shape[0] * np.sum(picked ** 2) + np.sum(a[:, [0, 2]][1:][:, 1] ** 2)
 
 
-CASES = [(f, V, "v") for f in (places, mask, several, stored, in_a_loop, of_what_is_picked)] + [
-    (f, A, "a") for f in (places_on_two_axes, of_a_product, of_columns)]
+def spread_of(y):
+    m = y.mean()
+    return ((y - m) ** 2).sum()
+
+
+def filled(a):
+    for i in range(1, a.size):
+        a[i] += 0.5 * a[i - 1] ** 2
+    return a[0] * a[-1]
+
+
+def given_to_a_function(v):
+    i = np.array([2, 0, 0])
+    return spread_of(v[i]) + spread_of(v[[0, 1]]) * v[0]
+
+
+def filled_by_a_function(v):
+    total = 0.0
+    for k in range(2):
+        total += filled(v[np.array([2, 0, 0])])     # the copy is filled
+        v[k] += total
+    return total * np.sum(v ** 2)
+
+
+def columns_given_to_a_function(a):
+    i = np.array([0, 2, 2])
+    return spread_of(a[i, 1]) + spread_of(a[1, i]) * spread_of(a[2][i])
+
+
+CASES = [(f, V, "v") for f in (places, mask, several, stored, in_a_loop, of_what_is_picked,
+                              given_to_a_function, filled_by_a_function)] + [
+    (f, A, "a") for f in (places_on_two_axes, of_a_product, of_columns, columns_given_to_a_function)]
 
 
 def cases():

@@ -149,7 +149,40 @@ def none_read(x):
     return found.x[0] * found.innovation[1]
 
 
+class Wall:
+    def __init__(self, u, kind):
+        self.u, self.kind = u, kind
+
+    def fill(self):
+        getattr(self, "_" + self.kind)()
+
+    def _outflow(self):
+        self.u[0] = self.u[1]
+
+    def _periodic(self):
+        self.u[0] = self.u[-2]
+
+
+def a_method_by_name(x, kind):
+    wall = Wall(2.0 * x, kind)
+    wall.fill()
+    return wall.u[0] * wall.u[-1] * {"outflow_at_0": 2.0, "periodic_at_0": 3.0}[f"{kind}_at_" + "0"]
+
+
+def among_known_keys(x):
+    fixed, values, total = {0, 3}, {0: 1.5, 2: 2.0, "a": 0.0}, 0.0
+    items = [v * v for v in x]
+    for i in range(len(items)):
+        if i in fixed:
+            continue
+        total += items[i] * (2.0 if i not in values else 3.0) + (1.0 if i in {} else 0.0)
+    return total
+
+
 def cases():
+    for kind in ("outflow", "periodic"):
+        yield Case(a_method_by_name, (np.array([0.7, 1.2, 0.4]), kind), ("x",))
+    yield Case(among_known_keys, (np.array([0.7, 1.2, 0.4, 0.9]),), ("x",))
     for kernel in (counted, by_the_dictionary, made_of_a_sequence, by_content, one_by_one, none_until_then):
         yield Case(kernel, (np.array([0.7, 1.2, 0.4]),), ("x",))
     yield Case(past_a_property, (np.array([0.7, 1.2, 0.4]),), ("x",), refused=(

@@ -116,7 +116,24 @@ def of_two_objects(x):
     return a.t + 10.0 * b.t
 
 
+def stiffness(part, k):
+    part.t *= 2.0
+    made = np.zeros((2, 2))
+    for i in range(2):
+        made[i, i] = part.t
+        k[0, i] += part.t
+    return made
+
+
+def picked_places(x):
+    k, part, places = np.ones((3, 3)) * x[0], Part(x, x[1]), np.array([[0], [2]]).flatten()
+    k[np.ix_(places, places)] += stiffness(part, k)         # what was there before is read first
+    k[[0, 1], [0, 1]] *= stiffness(part, k)[:, 0]
+    k[:, [0, 1]] -= stiffness(part, k)[:, 0].sum()
+    return np.sum(k ** 2) * part.t
+
+
 def cases():
     for kernel in (one_number_of_two, an_array, in_a_dict, in_a_list, of_a_closure, by_a_property, a_list,
-                   of_two_objects):
+                   of_two_objects, picked_places):
         yield Case(kernel, (X.copy(),), "x")
