@@ -20,6 +20,7 @@ from s2sad.evaluate.specialize.functions.known_options import with_known_options
 from s2sad.evaluate.specialize.signals import Leave, Unevaluated
 from s2sad.evaluate.specialize.sequences.generators import is_generator
 from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
+from s2sad.evaluate.specialize.sequences.residual_lists import COUNTED
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     NONE, Choice, ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, ScopeValue, SuperValue,
@@ -113,6 +114,10 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
             if function.base.is_list and (
                     found := ev.residual_list_method(function.base, function.name, args, node, f)) is not None:
                 return found
+            if function.name == "append" and isinstance(function.base.node, tree.Subscript):
+                raise ev.unknown(
+                    node, "a list is appended to that is an item of a list whose length only the run knows",
+                    help=f"make the outer list of a length that is known before the run, or {COUNTED}")
             written = ev.written_function(f"numpy.{function.name}", [function.base, *args], keywords, node, f)
             if written is not None:
                 return written

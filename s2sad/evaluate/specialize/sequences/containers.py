@@ -11,6 +11,7 @@ from s2sad.diagnostics import S2sadError
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.sequences.residual_lists import COUNTED
 from s2sad.evaluate.specialize.values import (
     FACTORY, ClassValue, Data, FunctionValue, Iteration, ObjectValue, Reference, SliceValue, TupleValue, Value,
     constant,
@@ -108,9 +109,17 @@ def _by_variable(ev: Evaluator, base: Value, place: Value, node: AST, held: Obje
     if (item := ev.table_item(base, place, node)) is not None:
         return item
     label = f" of '{held.label}'" if held is not None and held.label else ""
-    raise ev.unknown(node, f"which item{label} is meant must be known before the run", place,
-                     help="loop over a range that is known, or keep the items in one array",
-                     site=held.site if held is not None and held.kind == "list" else None)
+    apart = held is not None and _grow_apart(ev, held)
+    raise ev.unknown(node, f"which item{label} is meant must be known before the run", place, help=(
+        f"loop over a range that is known, or {COUNTED if apart else 'keep the items in one array'}"),
+        site=held.site if held is not None and held.kind == "list" and not apart else None)
+
+
+def _grow_apart(ev: Evaluator, held: Object) -> bool:
+    """Whether a list holds lists that are filled each apart, and have lengths of their own: no table has such rows."""
+    return held.kind == "list" and any(
+        i.is_list if isinstance(i, Data) else isinstance(i, Reference) and ev.heap[i].kind == "list"
+        and not ev.heap[i].items for i in held.items.values())
 
 
 def _repeated(ev: Evaluator, sequence: Reference, times: Data, node: AST) -> Value | None:

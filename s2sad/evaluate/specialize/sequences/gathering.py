@@ -95,6 +95,8 @@ def list_comprehension(ev: Evaluator, node: Any, f: Frame) -> Value:
 
 def _filled(ev: Evaluator, node: Any, f: Frame, reason: Unevaluated, first: Value | None = None) -> Value:
     """A list of the residual program that statements fill: what is kept, or how many, only the run knows."""
+    if reason.demands and isinstance(node.elt, tree.List) and not node.elt.elts:
+        raise reason                # lists that are filled each apart: how many must be known
     before = ev.snapshot()
     start, asked = len(ev.block), bool(reason.demands) and all(what == "value" for _, what in reason.demands)
     wanted = ev.wanted.get(node, ("items", node))[0]

@@ -22,6 +22,7 @@ from s2sad.evaluate.specialize.sequences.listed_records import ListedRecords
 from s2sad.evaluate.specialize.values import NONE, Data, Value
 from s2sad.tree import AST
 
+COUNTED = "keep a table and counts: table[k, count[k]] = i; count[k] += 1"    # in place of lists in a list
 _UNSUPPORTED = {
     "insert": "append, and pick by an index; or make an array with np.concatenate",
     "remove": "append what is to stay to another list",
