@@ -102,7 +102,17 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
     found_shape = None if isinstance(op, tree.MatMult) else broadcast(*(_as_row(ev, v) for v in (left, right)))
     return Data(tree.at(tree.BinOp(ev.spelled(left, node), op, ev.spelled(right, node)), node), demands=demands,
                 shape=found_shape, origins=origins(left, right),
-                is_list=any(isinstance(v, Data) and v.is_list for v in (left, right)))
+                is_list=_gives_list(op, left, right))
+
+
+def _gives_list(op: AST, left: Value, right: Value) -> bool:
+    """Whether an operator gives a list, of one of unknown length: of two it joins them, an integer repeats one. An
+    array makes an array of it."""
+    lists = [isinstance(v, Data) and v.is_list for v in (left, right)]
+    if isinstance(op, tree.Mult):
+        return any(lists) and any(shape(v) == () for v in (left, right))
+    return isinstance(op, tree.Add) and any(lists) and all(
+        known or not isinstance(v, Data) for known, v in zip(lists, (left, right)))
 
 
 def _as_row(ev: Evaluator, value: Value) -> Value:

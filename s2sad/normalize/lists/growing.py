@@ -23,7 +23,7 @@ from s2sad.normalize.lists.capacity import Capacity, IndexIntervals, sink_empty_
 from s2sad.normalize.lists.list_columns import list_columns
 from s2sad.normalize.lists.list_homes import bindings_of, holds_lists, list_homes
 from s2sad.normalize.lists.list_statements import (
-    appended_list, as_arrays, changed_inside, grown_lists, is_first, popped_list, unfilled,
+    appended_list, as_arrays, changed_inside, grown_lists, is_first, operands, popped_list, unfilled,
 )
 from s2sad.normalize.lists.list_contents import COPIED, row_aliases
 from s2sad.normalize.lists.escaping_lists import escaping_lists, has_sizes
@@ -86,7 +86,7 @@ class _GrowingLists:
         self.tree, self.scope, self.escaping = tree, scope, escaping
         self.intervals, self.capacity = IndexIntervals(tree), Capacity(tree, scope, appended_list)
         self.appended = appended        # names that the text appends to, not a comprehension
-        self.as_arrays, self.changed_inside = as_arrays(tree), changed_inside(tree)
+        self.as_arrays, self.changed_inside, self.operands = as_arrays(tree), changed_inside(tree), operands(tree)
         self.made: dict[str, Assign] = {}
         self.counts: dict[str, str] = {}
         self.sizes: dict[str, AST | None] = {}      # how long each becomes; None if that is not known where it is made
@@ -258,6 +258,8 @@ class _GrowingLists:
         if isinstance(node, Name) and node.id in self.made:
             if isinstance(node.ctx, Store):
                 return None
+            if id(node) in self.operands:
+                return at(call(_LIST, self.items(node.id)), node)
             if id(node) not in self.as_arrays:
                 self.scope.refuse(node, f"the list {node.id!r} is used as a list",
                                   help="make it an array with np.array")

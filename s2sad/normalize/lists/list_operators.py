@@ -25,7 +25,7 @@ from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
     AST, Add, Assert, Assign, AugAssign, BinOp, BoolOp, Call, Compare, Constant, Div, Eq, FunctionDef, Gt, If, IfExp,
     List, Mult, Name, Not, NotEq, Slice, Store, Subscript, Tuple, UnaryOp, While, at, call, call_name, compare, const,
-    copy, indices, name, rebuild, tuple_of, user_call, walk, walk_statements,
+    copy, index, indices, name, rebuild, tuple_of, user_call, walk, walk_statements,
 )
 
 Levels = tuple[str, ...]        # what a value is, then what its items are, ...: "list", "tuple" or EITHER; () an array
@@ -246,5 +246,13 @@ class _ListOperators:
 
     def refuse_if(self, value: AST, node: AST, what: str, help: str = _HELP) -> None:
         """Refuses a value that is, or may be, a list or a tuple."""
-        if found := self.of(value):
+        if (found := self.of(value)) and self.is_whole(value):
+            self.report.error("S201", f"{what} {_WORDS[found[0]]}", node, help="make it an array with np.array")
+        elif found:
             self.report.error("S201", f"{what} {_WORDS[found[0]]} that is an element of a list", node, help=help)
+
+    def is_whole(self, value: AST) -> bool:
+        """Whether a value is all items of a list."""
+        return isinstance(value, Call) and call_name(value) in MARKS and bool(
+            stored_list(index(value.args[0], const(0)), self.made))
+

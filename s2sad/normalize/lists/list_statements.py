@@ -6,8 +6,8 @@ from __future__ import annotations
 from s2sad.infer.list_arrays import LISTED, MARKS
 from s2sad.liveness import base_name, targets
 from s2sad.tree import (
-    AST, Assign, Attribute, BinOp, Call, Constant, Expr, For, FunctionDef, List, Mult, Name, Subscript, Tuple, at, call,
-    call_name, const, indices, walk,
+    AST, Assign, Attribute, AugAssign, BinOp, Call, Compare, Constant, Eq, Expr, For, FunctionDef, Gt, GtE, List, Lt,
+    LtE, Mult, Name, NotEq, Subscript, Tuple, at, call, call_name, const, indices, walk,
 )
 
 _READING = tuple(f"builtins.{f}" for f in ("sum", "len", "enumerate", "zip", "reversed"))
@@ -63,6 +63,19 @@ def as_arrays(tree: FunctionDef) -> set[int]:
             found |= {id(n) for n in indices(node)}
         elif appended_list(node):
             found.add(id(node.value.args[0]))
+    return found
+
+
+def operands(tree: FunctionDef) -> set[int]:
+    """The occurrences of names as operands: of a list it is a list's operator, or an array's if the other one is."""
+    found: set[int] = set()
+    for node in walk(tree.body):
+        if isinstance(node, BinOp):
+            found |= {id(node.left), id(node.right)}
+        elif isinstance(node, Compare) and all(isinstance(op, (Eq, NotEq, Lt, LtE, Gt, GtE)) for op in node.ops):
+            found |= {id(n) for n in (node.left, *node.comparators)}
+        elif isinstance(node, AugAssign):
+            found.add(id(node.value))
     return found
 
 

@@ -137,6 +137,21 @@ def joined(x):
     return np.sum(np.array(out + [x[0]]))
 
 
+def operands(x):
+    squares, doubles = [v * v + 1.0 for v in x], [2.0 * v for v in x]
+    y = x / squares + squares * x - x % squares
+    y[y < doubles] -= 1.0
+    y += squares
+    squares[0] = 3.0
+    twice = 2 * squares + doubles
+    return np.sum(y * np.maximum(x, squares)) + twice[1] * twice[4] * (x @ squares)
+
+
+def repeated_as_often_as_known_when_run(x):
+    out = [v * v for v in x]
+    return np.sum(np.array(out * len(x)))
+
+
 def table_stored_into(x):
     table = [[0, 0], [0, 0]]
     for i in range(2):
@@ -185,5 +200,8 @@ def cases():
     yield Case(rebound_length, (np.array([0.7, 1.3, 0.4]), 1), ("x",))
     yield Case(part_from_the_end, (np.array([0.7, 1.3, 0.4]), 2), ("x",))
     yield Case(joined, (np.array([0.7, 1.3, 0.4]),), "x")
-    yield Case(repeated, (np.ones(3),), "x", refused=(
-        "S201 at `out`: the list 'out' is used as a list: make it an array with np.array"))
+    yield Case(repeated, (np.array([0.7, 1.3, 0.4]),), "x")
+    yield Case(operands, (np.array([0.7, -1.3, 0.4]),), "x")
+    # refused
+    yield Case(repeated_as_often_as_known_when_run, (np.ones(3),), refused=(
+        "S201 at `out * len(x)`: repeating no written number of times a list: make it an array with np.array"))
