@@ -26,6 +26,7 @@ from s2sad.normalize.check_known import check_known
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.control.conditional_values import conditional_values
 from s2sad.normalize.control.counted_loops import counted_loops
+from s2sad.normalize.control.peel_first_iteration import peel_shared_array
 from s2sad.normalize.control.single_exit import single_exit
 from s2sad.normalize.control.single_target import single_target
 from s2sad.normalize.dtypes.complex_support import complex_support
@@ -140,6 +141,7 @@ ARRAYS: Passes = (
             Pass(array_privatization),
             Pass(swap_contents),
             Pass(tail_duplication),
+            Pass(peel_shared_array),
         ),
     ),
 )

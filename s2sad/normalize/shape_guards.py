@@ -15,6 +15,8 @@ EQUAL = "shapes differ: a length of 1 repeats only where it is written, as in x[
 ROWS = ("an array of another size than the others is put into a list, whose arrays have one size: give arrays of "
         "different sizes different names")
 TRIPS = "a loop in which a number becomes an array has no trip: start with an array, np.zeros(...), not with a number"
+UNSHARED = ("a loop that binds an array anew has no trip, and the array from before it is written: bind the name to a "
+            "copy before the loop: u = u.copy()")
 COUNTS = "a bound of a slice counts from the end, where parts of an array are to lie side by side: give it from 0"
 CONTIGUOUS = ("an array that is reshaped and written is not contiguous, where NumPy writes a copy: pass "
               "np.ascontiguousarray(...), or write it as a loop")
@@ -46,9 +48,9 @@ def same_size_in_list(guard: AST) -> AST:
     return Assert(guard.test, const(ROWS)) if same else guard
 
 
-def has_iteration(start: AST, stop: AST, step: int) -> Assert:
-    """The guard that a loop has a trip."""
-    return Assert(compare(copy(start), Lt() if step > 0 else Gt(), copy(stop)), const(TRIPS))
+def has_iteration(start: AST, stop: AST, step: int, message: str) -> Assert:
+    """The guard that a loop has a trip, with what it says if there is none."""
+    return Assert(compare(copy(start), Lt() if step > 0 else Gt(), copy(stop)), const(message))
 
 
 def slice_in_bounds(room: AST, text: str) -> Assert:

@@ -193,8 +193,8 @@ def cases():
     yield Case(put_back_first, (U, 3), ("u",), ("return", "u"))
     for kernel, given, store in ((bound_to_another_name_of_it, (U, 3), "w[k] = w[k] * w[k + 1]"),
                                  (seen_by_a_view, (U, 3), "u[1] = u[1] * u[0]"),
-                                 (seen_by_the_older_name, (U, 3), "a[k] = a[k] * a[k + 1]"),
                                  (bound_to_another_argument, (U, V, 3), "u[1] = u[1] * u[0]")):
         yield Case(kernel, given, refused=f"S201 at `{store}`: {ALIAS}")
+    yield Case(seen_by_the_older_name, (U, 3), ("u",))
     yield Case(written_later, (U, 3), refused=(
         f"S201 at `u *= 0.9`: {ALIAS}\nS201 at `u[3] = w[3] * 0.5`: {ALIAS}"))
