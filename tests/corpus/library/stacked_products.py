@@ -46,6 +46,14 @@ def attention_heads(x, w):
     return np.sum(y ** 2)
 
 
+def stacks_of_stacks(x, w):
+    left = np.stack([x, 0.5 * x])[:, :, None] * np.ones((1, 1, 2, 1, 1))
+    right = np.swapaxes(left, -1, -2)
+    products = left @ right
+    left[0] = np.sin(left[1])
+    return np.sum(products ** 2) + np.sum((left @ right)[:, ::-1] * products) + np.sum(w)
+
+
 def over_two_axes(x, w):
     full = np.tensordot(x, x[:, :2], axes=([0, 2], [0, 2])) @ w[:2]
     x[1] = full[:, :4] * x[0]
@@ -79,7 +87,7 @@ def cases():
     r = generator(11)
     x, w = r.standard_normal((2, 3, 4)), r.standard_normal((4, 6))
     kernels = [one_matrix_for_a_stack, a_stack_for_one_matrix, a_row_for_a_stack, stacks_in_a_loop, attention_heads,
-               over_two_axes, named_axes, repeated_matrices]
+               stacks_of_stacks, over_two_axes, named_axes, repeated_matrices]
     for kernel in kernels:
         yield Case(kernel, (x, w), ("x", "w"))
     # other arrays
