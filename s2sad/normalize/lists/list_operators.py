@@ -168,7 +168,22 @@ class _ListOperators:
                 self.refuse_if(item, node, "repeating no written number of times")
                 return None
             return self.concatenated([item] * count, node)
+        self.refuse_operands(node, left, right)
         return None
+
+    def refuse_operands(self, node: BinOp, left: Levels | None, right: Levels | None) -> None:
+        """Refuses an operator that Python does not have for a list or a tuple: beside an array it is NumPy's, and so is
+        any but the product beside a number of NumPy's, which an expression may be."""
+        lists = [side for side, found in ((node.left, left), (node.right, right)) if found and found[0] != EITHER]
+        if len(lists) == 1:
+            other = node.right if lists[0] is node.left else node.left
+            is_number = self.of(other) == () and self.typing.of(other).is_number
+            written = not any(isinstance(n, (Name, Call)) for n in walk(other))
+            if not is_number or not isinstance(node.op, Mult) and not written:
+                return
+        for side in lists[:1]:
+            self.refuse_if(side, node, "Python has no such operator for",
+                           "make it an array with np.array")
 
     def concatenated(self, items: list[AST], node: AST) -> AST:
         self.changed = True

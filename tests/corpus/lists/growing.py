@@ -152,6 +152,33 @@ def repeated_as_often_as_known_when_run(x):
     return np.sum(np.array(out * len(x)))
 
 
+def beside_a_number_of_numpy(x):
+    out = [v * v for v in x]
+    return np.sum((out - np.mean(out)) * x)
+
+
+def times_a_float(x):
+    out = [v * v for v in x]
+    return np.sum(out * x[0])
+
+
+def less_a_written_number(x):
+    out = [v * v for v in x]
+    return np.sum(-1.0 + np.array(out) - (out - 1.0))
+
+
+def of_two_lists(x):
+    out, more = [v * v for v in x], [2.0 * v for v in x]
+    return np.sum(out - more)
+
+
+def pairs_of_floats(x):
+    pairs = []
+    for v in x:
+        pairs.append((v, 2.0))
+    return np.sum(pairs[0] * x[1])
+
+
 def table_stored_into(x):
     table = [[0, 0], [0, 0]]
     for i in range(2):
@@ -205,3 +232,10 @@ def cases():
     # refused
     yield Case(repeated_as_often_as_known_when_run, (np.ones(3),), refused=(
         "S201 at `out * len(x)`: repeating no written number of times a list: make it an array with np.array"))
+    yield Case(beside_a_number_of_numpy, (np.array([0.7, -1.3, 0.4]),), "x")
+    missing = "Python has no such operator for a"
+    for kernel, marked, found in ((times_a_float, "out * x[0]", "list"), (less_a_written_number, "out - 1.0", "list"),
+                                  (of_two_lists, "out - more", "list"),
+                                  (pairs_of_floats, "pairs[0] * x[1]", "tuple that is an element of a list")):
+        yield Case(kernel, (np.ones(3),), refused=(
+            f"S201 at `{marked}`: {missing} {found}: make it an array with np.array"))
