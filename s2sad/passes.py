@@ -101,11 +101,11 @@ class Repeat:
 
 @dataclass(frozen=True)
 class Alternative:
-    """Passes; where they are refused with the verdict, `changes` change the tree before them, and if they do, the
-    passes run on that. What is refused then, too, is the refusal of the tree before."""
+    """Passes; where they are refused with the verdict, each of the `changes` in turn changes the tree before them, and
+    if it does, the passes run on that. What is refused after all of them is the refusal of the tree before."""
     passes: tuple[Pass, ...]
     verdict: Callable[[Any], bool]
-    changes: tuple[Pass, ...]
+    changes: tuple[tuple[Pass, ...], ...]
 
 
 Passes = tuple[Pass | Repeat | Alternative, ...]
@@ -151,22 +151,26 @@ def _either(item: Alternative, tree: FunctionDef, context: Context) -> FunctionD
     before = context.fork()
     try:
         return run(item.passes, tree, context)
-    except S2sadError as refused:
+    except S2sadError:
         if not item.verdict(context):
             raise
-        vars(context).update(vars(before))
-        changed = run(item.changes, tree, context)
-        if changed is tree:
-            raise
-        try:
-            return run(item.passes, changed, context)
-        except S2sadError:
-            raise refused from None
+        for change in item.changes:
+            vars(context).update(vars(before))
+            changed = run(change, tree, context)
+            before = context.fork()
+            if changed is tree:
+                continue
+            tree = changed
+            try:
+                return run(item.passes, tree, context)
+            except S2sadError:
+                pass
+        raise
 
 
 def each(passes: Passes) -> Iterator[Pass]:
     """The passes one by one."""
     for item in passes:
         if isinstance(item, Alternative):
-            yield from item.changes
+            yield from (step for change in item.changes for step in change)
         yield from (item,) if isinstance(item, Pass) else item.passes

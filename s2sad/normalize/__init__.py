@@ -138,10 +138,8 @@ ARRAYS: Passes = (
         ),
         verdict=shares_buffers,
         changes=(
-            Pass(array_privatization),
-            Pass(swap_contents),
-            Pass(tail_duplication),
-            Pass(peel_shared_array),
+            (Pass(array_privatization), Pass(swap_contents), Pass(tail_duplication)),
+            (Pass(peel_shared_array),),
         ),
     ),
 )
