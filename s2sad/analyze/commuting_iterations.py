@@ -25,7 +25,7 @@ def commuting_iterations(function: FunctionDef, context: AnalysisContext) -> Non
 
 def commuting_loops(problem: RecordingProblem, plan: RecordingPlan) -> frozenset[int]:
     """The ids of the loops whose iterations the reverse sweep may run in any order."""
-    structure, values = problem.structure, ReverseValues(problem.structure)
+    structure, values = problem.structure, problem.reverse_values
     recorded = {id(store.statement) for store in plan.stores.values()}
     found: set[int] = set()
     for place in structure.places.values():

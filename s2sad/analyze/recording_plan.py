@@ -10,7 +10,7 @@ from s2sad.analyze.dependence import Dependence
 from s2sad.liveness import base_name, targets
 from s2sad.analyze.program_structure import ProgramStructure, StatementPlace, heads
 from s2sad.analyze.uses import OperandUses, loads_of, reads_own_result
-from s2sad.analyze.reverse_values import ReverseValue
+from s2sad.analyze.reverse_values import ReverseValue, ReverseValues
 from s2sad.infer.inference import Typing
 from s2sad.normalize.loops.hoist_allocations import is_allocation
 from s2sad.tree import AST, Assign, AugAssign, Call, Expr, Subscript, dump
@@ -123,6 +123,11 @@ class RecordingProblem:
     def stores(self, statement: AST) -> list[AST]:
         """What the forward sweep stores at a statement."""
         return [] if id(statement) in self.unread else self.writes(statement)
+
+    @cached_property
+    def reverse_values(self) -> ReverseValues:
+        """The values of the function, by name and place of use."""
+        return ReverseValues(self.structure)
 
     @cached_property
     def loads(self) -> dict[str, list[tuple[StatementPlace, AST]]]:

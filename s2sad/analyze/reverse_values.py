@@ -34,6 +34,7 @@ class ReverseValues:
     def __init__(self, structure: ProgramStructure):
         self.structure = structure
         self.loops: dict[str, AST] = {}
+        self._again: dict[AST, bool] = {}       # the statements whose value is one of their operands alone
         for name, bound in structure.bindings.items():
             if name not in structure.loop_of and len(bound) > 1:
                 loop = self._loop(bound)
@@ -64,9 +65,10 @@ class ReverseValues:
             simple = self.structure.is_simple(merge)
             return ReverseValue(name, name, "merge" if simple else "opaque", tuple(bound), merge)
         statement = bound[0]
-        again = (isinstance(statement, Assign) and self.structure.is_simple(statement)
-                 and not reads_carried(self.structure, statement))
-        return ReverseValue(name, name, "expression" if again else "opaque", (statement,), statement)
+        if statement not in self._again:
+            self._again[statement] = isinstance(statement, Assign) and self.structure.is_simple(
+                statement) and not reads_carried(self.structure, statement)
+        return ReverseValue(name, name, "expression" if self._again[statement] else "opaque", (statement,), statement)
 
     def _merge(self, bound: list[AST]) -> AST:
         """The innermost branch statement around all bindings."""

@@ -69,8 +69,17 @@ def _problem(context: AnalysisContext, halves: frozenset[int]) -> RecordingProbl
         if callee is not None:
             call_uses(statement, typing, callee, found)
 
-    def reads_of(statement: AST) -> OperandUses:
+    @cache
+    def has(statement: AST) -> bool:
+        return has_adjoint(statement, typing, active)
+
+    @cache
+    def read_by(statement: AST) -> OperandUses:
         return uses(statement, typing, active, of_call, context.choices)
+
+    def reads_of(statement: AST) -> OperandUses:
+        found = read_by(statement)
+        return OperandUses(set(found.names), list(found.loads))     # plans add to it
 
     def writes(statement: AST) -> list[AST]:
         if is_reallocation(structure, statement):
@@ -90,8 +99,7 @@ def _problem(context: AnalysisContext, halves: frozenset[int]) -> RecordingProbl
         return called is not None and not calls.is_pure(called) or callee is not None and bool(
             callee.forward) or is_reallocation(structure, statement)
 
-    problem = RecordingProblem(structure, Dependence(structure), lambda s: has_adjoint(s, typing, active), reads_of,
-                               writes, after, refills)
+    problem = RecordingProblem(structure, Dependence(structure), has, reads_of, writes, after, refills)
     if context.request.split or context.request.halves:     # the forward sweep is the primal
         return problem
     return replace(problem, unread=unread_stores(problem, runs, context.request.with_primal))

@@ -9,7 +9,7 @@ from s2sad.liveness import base_name, targets
 from s2sad.analyze.recording_plan import IterationState, RecordingPlan, RecordingProblem, Shift, Store, by_key
 from s2sad.analyze.program_structure import StatementPlace, heads
 from s2sad.analyze.uses import OperandUses
-from s2sad.analyze.reverse_values import ReverseValue, ReverseValues
+from s2sad.analyze.reverse_values import ReverseValue
 from s2sad.tree import AST, Assign, For, If, Name, names
 
 
@@ -20,7 +20,7 @@ class ReverseUses:
                  restored: set[int], shifts: dict[str, Shift]):
         self.problem, self.rerun, self.restored, self.shifts = problem, rerun, restored, shifts
         self.structure, self.typing = problem.structure, problem.structure.typing
-        self.all_values = ReverseValues(problem.structure)
+        self.all_values = problem.reverse_values
         self.result = RecordingPlan(rerun=rerun, reversed=set(reversed))
         self.users: dict[str, list[AST | str]] = {}
         self.stores = [Store(p.statement, t, self._is_whole(t)) for p in problem.structure.places.values()
