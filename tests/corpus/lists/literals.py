@@ -112,8 +112,30 @@ def put_into_another(a):
     return np.sum(a ** 2) * rows[1][0]
 
 
+def beside_a_number_of_numpy(x):
+    row = [x[0], x[1] * x[2]]
+    return np.sum((row - x[3]) / np.max(row) * row[1])
+
+
+def two_lists(x):
+    row, other = [x[0], x[1]], [x[2], x[3]]
+    return np.sum(row - other)
+
+
+def times_a_float(x):
+    pair = (x[0], x[1])
+    return np.sum(0.5 * pair)
+
+
+def less_a_written_number(x):
+    row = [x[0], x[1]]
+    row = np.array(row) - (row - 1.0)
+    return np.sum(row)
+
+
 def cases():
     # gradients
+    yield Case(beside_a_number_of_numpy, (X,), "x")
     for kernel, arguments in KERNELS:
         yield Case(kernel, arguments, ("x" if arguments[0] is X else "a",))
     for kernel in (read_later, longer):
@@ -123,3 +145,7 @@ def cases():
     yield Case(floats_among_integers, (A,), of=None, refused=(
         "S201 at `d[1][2] = a[0, 0]`: a float is put among the integers of a list that is an element of a "
         "list: start with floats: 0.0, not 0"))
+    for kernel, marked, found in ((two_lists, "row - other", "list"), (times_a_float, "0.5 * pair", "tuple"),
+                                  (less_a_written_number, "row - 1.0", "list")):
+        yield Case(kernel, (X,), refused=(
+            f"S201 at `{marked}`: Python has no such operator for a {found}: make it an array with np.array"))

@@ -171,7 +171,21 @@ def container_operator(ev: Evaluator, op: AST, left: Value, right: Value, node: 
         return None if made is None else ev.heap.new(Object("set", made, site=node))
     if isinstance(op, tree.Mod) and isinstance(left, Data) and isinstance(left.known, str):
         return constant(left.known % ev.known(right, node, "what a text is made of"))
+    _refuse_missing(ev, op, left, right, kinds, node)
     return None
+
+
+def _refuse_missing(ev: Evaluator, op: AST, left: Value, right: Value, kinds: list[str], node: AST) -> None:
+    """Refuses an operator that Python does not have for a list or a tuple: beside an array it is NumPy's, and so is any
+    but the product beside a number of NumPy's, which one that is not written may be."""
+    found = [k for k in kinds if k in ("list", "tuple")]
+    if len(found) == 1:
+        other, word = (right, "right") if kinds[0] else (left, "left")
+        is_number = isinstance(other, Data) and other.is_known and isinstance(other.known, (int, float))
+        if not is_number or not isinstance(op, tree.Mult) and not isinstance(getattr(node, word, None), tree.Constant):
+            return
+    if found:
+        raise ev.refusal(node, f"Python has no such operator for a {found[0]}", help="make it an array with np.array")
 
 
 def _kind(ev: Evaluator, value: Value) -> str:
