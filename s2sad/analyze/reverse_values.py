@@ -34,7 +34,7 @@ class ReverseValues:
     def __init__(self, structure: ProgramStructure):
         self.structure = structure
         self.loops: dict[str, AST] = {}
-        self._again: dict[AST, bool] = {}       # the statements whose value is one of their operands alone
+        self._again: dict[AST, bool] = {}       # whether a statement's value can be computed again
         for name, bound in structure.bindings.items():
             if name not in structure.loop_of and len(bound) > 1:
                 loop = self._loop(bound)

@@ -278,7 +278,7 @@ def _holds(ev: Evaluator, slot: Slot, value: Value) -> bool:
 
 def _augmented_part(ev: Evaluator, s: Any, base: Any, key: Any, f: Frame) -> None:
     """`base[key] op= value` of an array: an element is read before the value is computed, a part behind that."""
-    at, effects, rebound, picked = len(ev.block), ev.effects, len(ev.rebound), _picks(key)
+    at, effects, rebound, gathers = len(ev.block), ev.effects, len(ev.rebound), _gathers(key)
     value = ev.value(s.value, f)
     changes, is_part = ev.effects > effects, isinstance(key, (str, SliceValue))
     is_part |= base.is_list and not any(_may_fill(n, base.name) for s in ev.block[at:] for n in tree.walk(s))
@@ -292,10 +292,10 @@ def _augmented_part(ev: Evaluator, s: Any, base: Any, key: Any, f: Frame) -> Non
     ev.refuse_no_number(value, s)
     picks = isinstance(key, Data) and base.shape is not None and len(base.shape) == 1     # numbers, which are copied
     if changes and not is_part and not picks:
-        if not picked and (not base.shape or _rank(key) > len(base.shape)):
+        if not gathers and (not base.shape or _rank(key) > len(base.shape)):
             raise ev.refusal(s, "what is added to an element changes something first",
                              help="give it a name in a statement of its own before")
-        is_part = not picked and _rank(key) < len(base.shape or ())
+        is_part = not gathers and _rank(key) < len(base.shape or ())
     if changes and not is_part:
         old = ev.held_at(ev.item_of(base, key, s.target, f), at, set(), s)
         ev.emit(tree.assign(place, ev.spelled(ev.binary(s.op, old, value, s, f), s)), s, True)
@@ -321,7 +321,7 @@ def _rank(key: Any) -> int:
     return 99
 
 
-def _picks(key: Any) -> bool:
+def _gathers(key: Any) -> bool:
     """Whether an index picks elements by arrays or lists, which are a copy."""
     items = key.items if isinstance(key, TupleValue) else (key,)
     return any(isinstance(i, (TupleValue, Reference)) or isinstance(i, Data) and (

@@ -181,9 +181,8 @@ class _ListOperators:
             written = not any(isinstance(n, (Name, Call)) for n in walk(other))
             if not is_number or not isinstance(node.op, Mult) and not written:
                 return
-        for side in lists[:1]:
-            self.refuse_if(side, node, "Python has no such operator for",
-                           "make it an array with np.array")
+        if lists:
+            self.refuse_if(lists[0], node, "Python has no such operator for", "make it an array with np.array")
 
     def concatenated(self, items: list[AST], node: AST) -> AST:
         self.changed = True
@@ -270,4 +269,3 @@ class _ListOperators:
         """Whether a value is all items of a list."""
         return isinstance(value, Call) and call_name(value) in MARKS and bool(
             stored_list(index(value.args[0], const(0)), self.made))
-
