@@ -1,6 +1,7 @@
 """bind_before_loops: what an iteration reads of the one before has a value before the loop.
 
-Numba takes names in the order of the text, and does not know one that is read above its first binding:
+Numba takes names in the order of the text, and does not know one that is read above its first binding; and where one
+of several things is carried (None or a number), all of them are copied, those that are not there, too:
 
     for i in range(3):                  m = 0
         if i > 1:                       for i in range(3):

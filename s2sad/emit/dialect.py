@@ -1,15 +1,13 @@
 """dialect: the functions of a derivative's module in what their engine has.
 
     NumPy       `unraised`: math.sqrt(x) -> np.sqrt(x), 1.0 / n -> 1.0 / np.float64(n)
-    Numba       math.cbrt(x) -> np.cbrt(x), math.isqrt(n) -> isqrt(n) of s2sad.runtime: what Numba lacks;
-                names are bound above their first use
+    Numba       math.cbrt(x) -> np.cbrt(x), math.isqrt(n) -> isqrt(n) of s2sad.runtime: what Numba lacks
 
 Functions of any form go in, and come out in the same.
 """
 from __future__ import annotations
 
 from s2sad import rules, tree
-from s2sad.emit.bind_before_loops import bind_before_loops
 from s2sad.emit.numpy_scalars import numpy_scalars
 from s2sad.infer.types import Type
 from s2sad.rules.transforms import TRANSFORMS
@@ -31,9 +29,7 @@ _TRANSFORMS = {f: f"runtime.{f.rpartition('.')[2]}" for f in TRANSFORMS}
 def in_dialect(functions: list[FunctionDef], units: Units) -> list[FunctionDef]:
     """The functions, callees first, for the units' engine."""
     if units.engine == "numba":
-        primals = {title: u.lowered_types for title, u in units.titled.items()}
-        made = map(for_numba, functions)        # derivatives come of normal form, which binds what it reads
-        return [bind_before_loops(f, primals[f.name]) if f.name in primals else f for f in made]
+        return list(map(for_numba, functions))
     return numpy_scalars([rebuild(f, _products_of_stacks) for f in functions], types_of(units), units.program.constants)
 
 

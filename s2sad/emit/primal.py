@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from s2sad.emit.bind_before_loops import bind_before_loops
 from s2sad.rules import find_array
 from s2sad.tree import (
     AST, AugAssign, Call, Expr, For, FunctionDef, GeneratorExp, ListComp, Subscript, call_name, copy, function,
@@ -34,11 +35,12 @@ def primal_functions(units: Units, titles: list[str]) -> list[FunctionDef]:
 
 
 def primal(unit: Unit) -> FunctionDef:
-    """One kernel: as the user wrote it if it deals with numbers alone, else with views resolved."""
+    """One kernel: as the user wrote it if it deals with numbers alone, else with views resolved, and each number bound
+    where it is read."""
     original = unit.kernel.tree
     parameters = [p.id for p in unit.lowered.args.args]
     body = _undocumented(original.body) if _is_plain(unit) else unit.lowered.body
-    return function(unit.title, parameters, copy(body))
+    return bind_before_loops(function(unit.title, parameters, copy(body)), unit.lowered_types)
 
 
 def _undocumented(body: list[AST]) -> list[AST]:
