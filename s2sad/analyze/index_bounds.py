@@ -16,19 +16,21 @@ from dataclasses import replace
 
 from s2sad import rules
 from s2sad.analyze.index_systems import Callee, IndexBounds, IndexSystems, apart
+from s2sad.analyze.symbolic_ranges import SymbolicRanges
 from s2sad.infer.affine import Affine, at_most, equals
 from s2sad.infer.inference import Typing
 from s2sad.infer.shapes import ALLOCATIONS, bare_shapes
 from s2sad.infer.signatures.laws import Shape
 from s2sad.normalize.calls.path_conditions import CallSite
 from s2sad.tree import (
-    AST, And, Assert, Assign, Attribute, BoolOp, Call, Compare, Constant, Eq, For, FunctionDef, If, IfExp, Name, Return,
-    Slice, Subscript, While, attribute, call_name, children, const, dump, index, indices, name, names, stored_names,
-    times_bound, user_call, walk_statements,
+    AST, And, Assert, Assign, Attribute, BinOp, BoolOp, Call, Compare, Constant, Eq, For, FunctionDef, If, IfExp, Name,
+    Return, Slice, Subscript, While, attribute, call_name, children, const, dump, index, indices, name, names,
+    stored_names, times_bound, user_call, walk_statements,
 )
 
 _SYSTEMS = 200          # of one function
-_CHECKING = frozenset({"numpy.dot", "numpy.matmul", "numpy.outer"})     # whose operands guards have looked at
+# whose operands guards have looked at
+_CHECKING = frozenset({"numpy.dot", "numpy.matmul", "numpy.outer", "runtime.stacked_matmul"})
 _UNKNOWN = IndexBounds(frozenset({()}), {})
 
 
@@ -138,9 +140,12 @@ class IndexSearch:
 
     def never_changes(self, form: Affine | None, here: CallSite) -> bool:
         """Whether a form is made of what the function is given alone."""
-        return form is not None and all(s in self.systems.parameters or isinstance(
-            atom := self.shapes.atoms.get(s), Call) and all(self.never_changes(here.size(a), here) for a in atom.args)
-            for s, _ in form.terms)
+        def stays(symbol: str) -> bool:
+            atom = self.shapes.atoms.get(symbol)
+            parts = atom.args if isinstance(atom, Call) else [atom.left, atom.right] if isinstance(atom, BinOp) else []
+            return symbol in self.systems.parameters or bool(parts) and all(
+                self.never_changes(here.size(part), here) for part in parts)
+        return form is not None and all(stays(s) for s, _ in form.terms)
 
     def asserted(self, test: AST, here: CallSite) -> CallSite:
         """The place behind an assertion, which may be that two shapes are equal."""
@@ -178,11 +183,20 @@ class IndexSearch:
             if isinstance(subscript, Slice):
                 continue
             form, extent = self.index(subscript, here), shape[axis] if axis < len(shape) else None
+            if extent is not None and self.are_products(subscript, form, extent) and SymbolicRanges(here).is_below(
+                    subscript, extent):
+                continue
             if form is None or extent is None:
                 self.systems.collect(here)
                 continue
             self.systems.collect(here, at_most(extent, form))
             self.systems.collect(here, at_most(form.plus(extent).shift(1), Affine()))
+
+    def are_products(self, node: AST, *forms: Affine | None) -> bool:
+        """Whether an integer is no affine form, or one of some forms has symbols for what is none."""
+        if None in forms:
+            return isinstance(node, BinOp) and self.typing.of(node).is_integer
+        return any(isinstance(self.shapes.atoms.get(s), BinOp) for form in forms if form for s, _ in form.terms)
 
     def index(self, node: AST, here: CallSite) -> Affine | None:
         """The form of an integer; None for an array of indices, an ellipsis, a new axis."""

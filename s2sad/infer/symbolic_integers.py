@@ -12,8 +12,8 @@ from s2sad.infer.affine import Affine, combined
 from s2sad.infer.inference import Typing
 from s2sad.infer.signatures.laws import ONE, Shape, whole_number
 from s2sad.tree import (
-    AST, Add, Attribute, BinOp, Mod, Mult, Name, Sub, Subscript, USub, UnaryOp, attribute, call, call_name, children,
-    const, copy, dump, index, name, names, user_call,
+    AST, Add, Attribute, BinOp, FloorDiv, Mod, Mult, Name, Sub, Subscript, USub, UnaryOp, attribute, call, call_name,
+    children, const, copy, dump, index, name, names, user_call,
 )
 
 _NAMES = 64     # that are followed for one form
@@ -137,8 +137,20 @@ class Sizes(ABC):
 
     def lower_bounds(self) -> dict[str, int]:
         """The least value of every symbol of which one is known."""
-        sizes = {s: 0 for s, atom in self.atoms.items() if _is_size(atom)}
+        sizes = {s: 0 for s, atom in self.atoms.items() if self._is_never_negative(atom)}
         return {**sizes, **{dump(name(c)): low for c, low in self.counters.items()}}
+
+    def _is_never_negative(self, node: AST) -> bool:
+        """Whether an integer is a size, or is made of sizes and numbers that are not negative."""
+        if isinstance(node, BinOp) and isinstance(node.op, (Add, Mult, FloorDiv)):
+            return self._is_never_negative(node.left) and self._is_never_negative(node.right)
+        if isinstance(node, Name):
+            value = self.values.get(node.id)
+            return value is not None and self._is_never_negative(value)
+        if call_name(node) in ("builtins.min", "builtins.max"):
+            return (all if call_name(node) == "builtins.min" else any)(map(self._is_never_negative, node.args))
+        number = whole_number(node)
+        return _is_size(node) if number is None else number >= 0
 
     def expression(self, size: Affine, reduced: bool = True) -> AST:
         """The size as an expression."""

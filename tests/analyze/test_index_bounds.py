@@ -32,6 +32,8 @@ def runs(text, arguments):
         space["f"](*(a.copy() if isinstance(a, np.ndarray) else a for a in arguments))
     except IndexError:
         return False
+    except (ValueError, ZeroDivisionError):      # said where it happens
+        return True
     return True
 
 
@@ -138,6 +140,21 @@ def f(x, y):
     if n > 2:
         y[max(n - 3, 1)] = 0.0
 """, [(array(3), array(4)), (array(9), array(4))], []),
+    "a reshape": ("""def f(x, y):
+    flat = (2.0 * x).reshape(-1)
+    quarters = (x * x).reshape(x.shape[0] // 2, 2, x.shape[1] // 2, 2)
+    for i in range(y.shape[0]):
+        y[i] = np.sum(flat) + quarters[i, 1, 0, 1]
+""", [(array(4, 2), array(2)), (array(4, 6), array(1))], [(array(4, 2), array(3)), (array(4, 0), array(1))]),
+    "rows side by side": ("""def f(x, y):
+    flat = np.zeros(x.shape[0] * x.shape[1])
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            flat[i * x.shape[1] + j] = x[i, j]
+    for k in range(x.size):
+        x[k // x.shape[1], k % x.shape[1]] = 2.0 * flat[k]
+    y[0] = x[0, 0]
+""", [(array(2, 3), array(1)), (array(3, 2), array(2))], [(array(2, 3), array(0))]),
 }
 
 
@@ -150,6 +167,24 @@ def test_arguments_are_told_apart(title, tmp_path):
 
 
 UNKNOWN = {
+    "a row of another width": ("""def f(x):
+    flat = np.zeros(x.shape[0] * x.shape[1])
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            flat[i * x.shape[0] + j] = x[i, j]
+""", (array(3, 3),)),
+    "a column too many": ("""def f(x):
+    for k in range(x.size + 1):
+        x[k // x.shape[1], k % x.shape[1]] = 1.0
+""", (array(3, 3),)),
+    "the other axis": ("""def f(x):
+    for k in range(x.size):
+        x[k // x.shape[0], k % x.shape[1]] = 1.0
+""", (array(3, 3),)),
+    "a negative product": ("""def f(x, n, m):
+    for k in range(n * m):
+        x[k // m] = 1.0
+""", (array(3), 3, 2)),
     "an index out of an array": ("def f(x, k):\n    x[k[0]] = 1.0\n", (array(3), np.array([2]))),
     "an array of indices": ("def f(x, k):\n    return np.sum(x[k])\n", (array(3), np.array([2]))),
     "a number that a loop counts up": ("""def f(x, y):
@@ -239,10 +274,40 @@ def written(rng):
 @pytest.mark.parametrize("program", range(20))
 def test_what_is_known_holds(program, tmp_path):
     """Random kernels with random sizes: where they are known to stay within their arrays, NumPy runs them."""
-    rng = generator(seeded(program))
-    text = written(rng)
+    _holds(written(generator(seeded(program))), tmp_path)
+
+
+def with_products(rng):
+    """A kernel with nested loops over products of sizes, whose indices are products, quotients and remainders."""
+    sizes = ["x.shape[0]", "x.shape[1]", "len(y)", "n", "2", "(x.shape[0] // 2)", "(x.shape[1] // 2)"]
+
+    def product(of):
+        return " * ".join(rng.choice(sizes) for _ in range(of))
+
+    def index(counters):
+        first = f"{rng.choice(counters)} * {rng.choice(sizes)} + {rng.choice(counters)}"
+        whole = rng.choice([first, rng.choice(counters), f"({first}) * {rng.choice(sizes)} + {counters[0]}"])
+        return rng.choice([whole, f"({whole}) // {rng.choice(sizes)}", f"({whole}) % {rng.choice(sizes)}",
+                           f"({whole}) // {rng.choice(sizes)} % {rng.choice(sizes)}"])
+
+    lines, counters = [f"work = np.zeros({product(2)})", f"wide = np.zeros(({product(1)}, {product(2)}))"], []
+    for k in range(rng.integers(1, 4)):
+        counters.append(f"i{k}")
+        lines.append("    " * k + f"for i{k} in range({product(rng.integers(1, 3))}):")
+    places = [f"work[{index(counters)}]", f"x[{index(counters)}, {index(counters)}]",
+              f"wide[{index(counters)}, {index(counters)}]"]
+    lines += ["    " * len(counters) + f"{p} = 1.0" for p in places[:rng.integers(1, 4)]]
+    return "def f(x, y, n, k):\n" + "\n".join(f"    {line}" for line in lines) + "\n"
+
+
+@pytest.mark.parametrize("program", range(60))
+def test_what_is_known_of_products_holds(program, tmp_path):
+    _holds(with_products(generator(seeded(program))), tmp_path)
+
+
+def _holds(text, tmp_path):
     known = inside(tmp_path / "kernel.py", text, (array(2, 2), array(2), 1, 1))
-    sizes = itertools.product(range(3), range(3), range(4), range(-1, 4), range(-1, 3))
+    sizes = itertools.product(range(4), range(4), range(4), range(-1, 4), range(-1, 3))
     for rows, columns, length, n, k in sizes:
         arguments = array(rows, columns), array(length), n, k
         if known(arguments):

@@ -16,7 +16,7 @@ from s2sad.infer.signatures.laws import whole_number
 from s2sad.infer.shapes import Shapes
 from s2sad.tree import (
     AST, Add, And, BinOp, BoolOp, Call, Compare, Eq, For, Gt, GtE, If, Lt, LtE, Mod, Mult, Name, Not, NotEq, Or, Sub,
-    USub, UnaryOp, While, const, dump, names, stored_names, walk, walk_statements,
+    USub, UnaryOp, While, const, dump, name, names, stored_names, walk, walk_statements,
 )
 
 _NEGATED: dict[type[AST], type[AST]] = {Eq: NotEq, NotEq: Eq, Lt: GtE, GtE: Lt, Gt: LtE, LtE: Gt}
@@ -43,7 +43,10 @@ class CallSite:
             inner = self.size(node.operand)
             return inner and inner.times(-1)
         if isinstance(node, BinOp) and isinstance(node.op, (Add, Sub, Mult)):
-            return combined(node.op, self.size(node.left), self.size(node.right))
+            found = combined(node.op, self.size(node.left), self.size(node.right))
+            if found is not None or not isinstance(node.op, Mult) or any(
+                    dump(name(n)) in self.counting for n in names(node)):
+                return found
         if isinstance(node, BinOp) and isinstance(node.op, Mod) and (divisor := whole_number(node.right) or 0) > 0:
             return self._remainder(node, divisor)
         form = self.shapes.size(node)

@@ -169,7 +169,7 @@ class Scalarize:
         if isinstance(target, Subscript) and isinstance(value, Subscript) and self.mask_of(value) is not None and \
                 self.mask_of(target) is None:
             return self.masked_fill(target, value)
-        before: list[AST] = [] if self.final else self.reshape_guards(value)
+        before = self.reshape_guards(value)
         value = self.sums(value, before)
         if self.typing.of(value).is_array or isinstance(target, Subscript) and self.typing.of(target).is_array:
             value = self.named_properties(value, before)
