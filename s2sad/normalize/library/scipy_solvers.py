@@ -5,8 +5,8 @@
         return np.sum(scipy.linalg.lu_solve(factors, b))        return np.sum(solved(factors, b))
 
 Requires structured form, and calls as `scipy_linalg` leaves them. Establishes that what is left of `scipy.linalg` has a
-rule; anything else is refused here. A factorization is for the solvers alone: elsewhere SciPy's holds entries that mean
-nothing.
+rule; anything else is refused here. A factorization is for the solvers: elsewhere SciPy's holds entries that mean
+nothing. Of Cholesky's what lies in its own triangle may be read, too: `np.diag(c)`, `c[i, i]`, `np.triu(c)`.
 """
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ from s2sad.normalize.library.scipy_linalg import IGNORED, SCIPY, transposed_matr
 from s2sad.passes import Context
 from s2sad.rules.spellings import TABLE
 from s2sad.tree import (
-    AST, Assign, Call, Constant, FunctionDef, List, Name, Store, Subscript, Tuple, at, call, call_name, const, copy,
-    keyword, rebuild, walk, walk_statements, with_body,
+    AST, Assign, Attribute, Call, Constant, FunctionDef, List, Name, Store, Subscript, Tuple, at, call, call_name,
+    const, copy, dump, keyword, rebuild, walk, walk_statements, with_body,
 )
 
 _FACTORS, _SOLVES = ("lu_factor", "cho_factor"), ("lu_solve", "cho_solve")
+_TRIANGLES = {"numpy.diag": None, "numpy.diagonal": None, "numpy.tril": True, "numpy.triu": False}
 _TRANS = {"N": 0, "T": 1, "C": 1, 2: 1}
 _HELP = {
     "eigh": "write w, v = np.linalg.eigh(a), or driver='evd' with lower=True: others turn vectors round; the "
@@ -98,6 +99,7 @@ class _Solvers:
         self.report = report
         stores = [n.id for n in walk(function.body) if isinstance(n, Name) and isinstance(n.ctx, Store)]
         self.held: dict[str, _Factorization] = {}
+        self.own_entries: list[AST] = []
         bound = [(s.targets[0].id, s.value) for s in walk_statements(function.body)
                  if isinstance(s, Assign) and isinstance(s.targets[0], Name) and stores.count(s.targets[0].id) == 1]
         while True:
@@ -150,7 +152,19 @@ class _Solvers:
         a = rebuild(node.args[0], self.solved)
         return call("runtime.factored", a) if found.function == "lu_factor" else _cholesky(a, bool(found.lower))
 
+    def triangle(self, node: AST) -> AST | None:
+        """What reads entries of a Cholesky factor's own triangle alone, of the factor itself."""
+        given, of_lower = _entries(node)
+        found = self.factors(given) if given is not None else None
+        if not found or found.function != "cho_factor" or found.part != 0 or of_lower not in (None, found.lower):
+            return None
+        factor = self.factor_array(given)
+        self.own_entries.append(factor)
+        return rebuild(node, lambda n: factor if n is given else None)
+
     def solved(self, node: AST) -> AST | None:
+        if (entries := self.triangle(node)) is not None:
+            return entries
         called = (call_name(node) or "").removeprefix(SCIPY)
         if called not in _SOLVES or not isinstance(node, Call) or len(node.args) < 2:
             return None
@@ -185,6 +199,7 @@ class _Solvers:
                                   help=_HELP.get(called, _OTHERS))
         read = {id(n) for s in walk_statements(block) if isinstance(s, Assign) and isinstance(s.targets[0], Name)
                 and s.targets[0].id in self.held for n in walk(s.value)}
+        read |= {id(n) for a in self.own_entries for n in walk(a)}
         read |= {id(n) for c in walk(block) if (call_name(c) or "") in (
             "runtime.solved", "runtime.solved_transposed", "runtime.solve_triangular") for n in walk(c.args[0])}
         for node in walk(block):
@@ -193,6 +208,18 @@ class _Solvers:
                 self.report.error("S301", "a factorization that is read other than by its solver", node,
                                   help="write np.linalg.cholesky for the triangle itself, np.linalg.slogdet for the "
                                   "determinant")
+
+
+def _entries(node: AST) -> tuple[AST | None, bool | None]:
+    """The array of which an expression reads a triangle, and whether it is the lower one; None for the diagonal."""
+    if isinstance(node, Call) and not node.keywords:
+        if isinstance(node.func, Attribute) and node.func.attr == "diagonal" and not node.args:
+            return node.func.value, None
+        called = call_name(node)
+        return (node.args[0], _TRIANGLES[called]) if called in _TRIANGLES and len(node.args) == 1 else (None, None)
+    places = node.slice.elts if isinstance(node, Subscript) and isinstance(node.slice, Tuple) else []
+    plain = len(places) == 2 and all(isinstance(p, Name) or isinstance(getattr(p, "value", None), int) for p in places)
+    return (node.value if plain and dump(places[0]) == dump(places[1]) else None), None
 
 
 def _cholesky_solution(factor: AST, b: AST, lower: bool) -> AST:

@@ -1,6 +1,8 @@
 """Parts of decompositions, orders of norms, and the solvers of scipy.linalg."""
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import scipy.linalg as scipy_linalg
 from scipy.linalg import cho_factor, cho_solve, lu_factor, lu_solve, solve_banded, solve_triangular
@@ -85,6 +87,26 @@ def factor_read(a, b, x):
     return np.sum(c) + np.sum(cho_solve((c, low), x))
 
 
+def own_triangle(a, b, x):
+    """A factor's own triangle is read beside its solver: its diagonal, an entry of it, and all of it."""
+    c, low = cho_factor(a)
+    lower = cho_factor(2.0 * a, lower=True)
+    x[:] = cho_solve((c, low), x) + np.log(np.diag(c)) * lower[0].diagonal()
+    for i in range(len(x)):
+        x[i] *= math.log(c[i, i])
+    return np.sum(np.triu(c) * b) + np.sum(np.tril(lower[0]) * b)
+
+
+def other_triangle(a, b, x):
+    c, low = cho_factor(a)
+    return np.sum(np.tril(c)) + np.sum(cho_solve((c, low), x))
+
+
+def pivoted_diagonal(a, b, x):
+    lu, pivots = lu_factor(a)
+    return np.sum(np.log(np.abs(np.diag(lu)))) + np.sum(lu_solve((lu, pivots), x))
+
+
 def factors_from_both_branches(a, b, x):
     if x[0] > 0.7:
         f = lu_factor(a)
@@ -104,7 +126,8 @@ def in_single_precision(a, b, x):
 
 
 def cases():
-    for kernel in (orthogonal, singular_vectors, norms, triangles, cholesky_factors, triangular_factors, bands, others):
+    for kernel in (orthogonal, singular_vectors, norms, triangles, cholesky_factors, triangular_factors, bands, others,
+                   own_triangle):
         yield Case(kernel, arguments(), ("a", "b", "x"), outputs(kernel, arguments()))
     # bands with row exchanges
     random = generator(2)
@@ -112,10 +135,12 @@ def cases():
     ab[1] *= 0.1
     yield Case(wide_bands, (ab, random.random(7)), ("ab", "x"), ("x",))
     yield Case(wide_bands, (1.0 + random.random((4, 3)), random.random(3)), ("ab", "x"), ("x",))
+    read_otherwise = ("a factorization that is read other than by its solver: write np.linalg.cholesky for the "
+                      "triangle itself, np.linalg.slogdet for the determinant")
     for kernel, refused in (
-            (factor_read,
-             "S301 at `c`: a factorization that is read other than by its solver: write np.linalg.cholesky for the "
-             "triangle itself, np.linalg.slogdet for the determinant"),
+            (factor_read, f"S301 at `c`: {read_otherwise}"),
+            (other_triangle, f"S301 at `c`: {read_otherwise}"),
+            (pivoted_diagonal, f"S301 at `lu`: {read_otherwise}"),
             (factors_from_both_branches,
              "S301 at `lu_factor(a)`: no derivative rule for scipy.linalg.lu_factor here: write factors = "
              "lu_factor(a), once, and give it to the solver as it is\nS301 at `lu_factor(b)`: no derivative rule for "
