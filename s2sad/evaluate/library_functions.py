@@ -60,6 +60,20 @@ def count(start=0, step=1):
         k += step
 
 
+def of_complex(function):
+    def of_number(z):
+        return function(complex(z))
+    return of_number
+
+
+def polar(z):
+    return abs(complex(z)), np.angle(complex(z))
+
+
+def rect(r, phi):
+    return complex(r * np.cos(phi), r * np.sin(phi))
+
+
 def vectorized(function, numbers, *args):
     arrays = [a for a, one in zip(args, numbers) if not one]
     whole = np.zeros(np.shape(arrays[0]))
@@ -241,8 +255,12 @@ def _by_path(room: str, *found: Any) -> Iterable[tuple[str, Any]]:
     return ((f"{room}.{f.__name__}", f) for f in found)
 
 
+_OF_NUMPY = {"phase": "angle", **{f"a{name}": f"arc{name}" for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh")}}
+_OF_COMPLEX = ("exp", "log", "log10", "sqrt", "sin", "cos", "tan", "sinh", "cosh", "tanh", *_OF_NUMPY)
+
 WRITTEN: dict[str, Callable[..., Any]] = dict((
-    *_by_path("itertools", count),
+    *_by_path("itertools", count), *_by_path("cmath", polar, rect),
+    *((f"cmath.{name}", of_complex(getattr(np, _OF_NUMPY.get(name, name)))) for name in _OF_COMPLEX),
     *_by_path("numpy", piecewise, fromfunction, apply_along_axis, vectorized, rollaxis, broadcast_arrays, unwrap,
               polyadd, polysub, poly1d),
     *_by_path("numpy.polynomial", Polynomial),

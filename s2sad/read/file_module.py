@@ -21,7 +21,7 @@ from s2sad.read.outside_values import (
     Numbers, ModuleValue, Unusable, dotted, is_numbers, value_meaning,
 )
 
-LIBRARIES = ("numpy", "math", "scipy", "numba", "s2sad", "builtins", "itertools")
+LIBRARIES = ("numpy", "math", "scipy", "numba", "s2sad", "builtins", "itertools", "cmath")
 
 
 class FileModule:

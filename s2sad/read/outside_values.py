@@ -209,7 +209,7 @@ def library_path(name: str, value: Any) -> str | None:
     for room in rooms if home.startswith("scipy.") else ():
         if getattr(sys.modules.get(room), own, None) is value and is_scipy(f"{room}.{own}"):
             return f"{room}.{own}"
-    if home == "itertools" and getattr(sys.modules.get(home), own, None) is value:
+    if home in ("itertools", "cmath") and getattr(sys.modules.get(home), own, None) is value:
         return f"{home}.{own}"
     if home.partition(".")[0] == "numpy" and getattr(library_value(home), own, None) is value:
         return f"{home}.{own}"

@@ -1,6 +1,8 @@
 """Complex numbers: derivatives with the inner product Re(conj(a) b)."""
 from __future__ import annotations
 
+import cmath
+from cmath import exp as complex_exp
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,6 +56,17 @@ def transfer(w, k, m, c):
         h = 1.0 / (k - m * w[i] ** 2 + 1j * c * w[i])
         gain[i] = abs(h) ** 2 + np.angle(h) + h.imag
     return np.sum(gain * w)
+
+
+def of_cmath(k, c, x):
+    """Functions of Python's for complex numbers, of real and of complex ones: what they give is complex."""
+    root = cmath.sqrt(c * c - 4.0 * k)
+    total = 0j
+    for i in range(x.size):
+        step = complex_exp(-1j * x[i]) * cmath.asin(0.3 * x[i]) + cmath.sinh(c * x[i])
+        total += step * cmath.rect(x[i], k) / cmath.log10(complex(x[i], 1.0))
+    r, angle = cmath.polar(total + cmath.log(root) * cmath.atan(root))
+    return r + 2.0 * angle + cmath.phase(root) * cmath.pi + cmath.cos(total).real
 
 
 def products(m, z, w, x):
@@ -184,6 +197,7 @@ def cases():
     yield Case(functions, (Z, X), ("z", "x"))
     yield Case(elements, (Z, 0.1 + 0.2j, X), ("z", "c", "x"), ("z", "return"))
     yield Case(transfer, (X, 2.0, 0.3, 0.1), ("w", "k", "m", "c"))
+    yield Case(of_cmath, (1.3, 0.4, X), ("k", "c", "x"))
     yield Case(products, (M, Z, W, X), ("m", "z", "w", "x"))
     yield Case(views, (Z, 3), ("z",), ("z", "return"))
     yield Case(mixed, (Z, X), ("z", "x"), ("x", "return"))

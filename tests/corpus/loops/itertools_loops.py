@@ -149,6 +149,20 @@ def tested_of_items(a):
     return s
 
 
+def in_memory_order(a):
+    total = 0.0
+    for v in np.nditer(a):
+        total += v
+    return total
+
+
+def written_in_memory_order(a):
+    with np.nditer(a, op_flags=["readwrite"]) as elements:
+        for v in elements:
+            v[...] = 2.0 * v
+    return np.sum(a)
+
+
 def cases():
     for kernel in (products, pairs, numbered):
         yield Case(kernel, (A,), ("a",), ("a", "return"))
@@ -167,3 +181,7 @@ def cases():
                    "what there is, as .shape, .ndim and .size of an array")
     yield Case(asked_behind_a_loop, (A,), refused="S201 at `next(it, 0.0)`: an iterator is asked that something has "
                "gone through: make it a list: list(...)")
+    for kernel, call in ((in_memory_order, "np.nditer(a)"),
+                         (written_in_memory_order, 'np.nditer(a, op_flags=["readwrite"])')):
+        yield Case(kernel, (A,), refused=f"S201 at `{call}`: np.nditer, which goes through an array as its elements "
+                   "lie in memory: write for v in x.flat: to read them, for i in np.ndindex(x.shape): to write x[i]")

@@ -63,7 +63,13 @@ def _filter(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value
     return ev.iterator("filter", *args)
 
 
-@function("numpy.ndindex", "numpy.ndenumerate", "numpy.nditer")
+@function("numpy.nditer")
+def _nditer(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    raise ev.refusal(node, "np.nditer, which goes through an array as its elements lie in memory",
+                     help="write for v in x.flat: to read them, for i in np.ndindex(x.shape): to write x[i]")
+
+
+@function("numpy.ndindex", "numpy.ndenumerate")
 def _indices(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
     return None if options else ev.iterator(f"numpy.{ev.called}", *args)
 
