@@ -82,6 +82,7 @@ class Evaluator(Operations):
         self.source, self.facts, self.sites, self.unrolls, self.inlines = source, facts, sites, unrolls, inlines
         self.cell_paths, self.cells = cells, list[Cell]()
         self.choices = choices          # the slots that may hold choices of other things than functions
+        self.found_none: frozenset[Any] = frozenset()       # the slots that hold None of several things, in a statement
         self.decisions = 0              # how often a statement was evaluated for one of several things
         self.unrolled_loops: dict[AST, int] = {}    # those that are written out, and how often
         self.heap, self.names = Heap(), Names()

@@ -31,7 +31,16 @@ def subscript(ev: Evaluator, node: Any, f: Frame) -> Value:
     if isinstance(node.value, tree.Subscript):
         ev.spread.add(node.value)
     base, place = ev.values([node.value, node.slice], f)
+    if isinstance(place, Data) and place.is_known and place.known is None and _was_looked_for(ev, node.slice, f):
+        raise ev.none_here(place, node.slice)       # x[None] has an axis more: what was looked for was not found
     return item_of(ev, base, place, node, f)
+
+
+def _was_looked_for(ev: Evaluator, place: AST, f: Frame) -> bool:
+    """Whether a place is a name or an attribute that holds None on some ways only."""
+    if isinstance(place, tree.Attribute):
+        return any(slot == place.attr for _, slot in ev.found_none)
+    return isinstance(place, tree.Name) and (f.reference.number, place.id) in ev.found_none
 
 
 @operation

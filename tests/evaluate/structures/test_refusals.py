@@ -107,3 +107,18 @@ def test_a_refusal_in_full():
     refused(f"{__file__}:{line}:21: error[S203]: 'w' is None here\n  {line} |     return s[\"k\"] * w\n"
             f"  {' ' * len(str(line))} |                     ^\n  help: test it before: if w is not None: ...",
             vjp, differentiate(none_used, engine="numpy"), ({"k": 1.0}, None), {"return": 1.0})
+
+
+def last_above(x):
+    place = None
+    for k in range(x.size):
+        if x[k] > 0.5:
+            place = k
+    return 2.0 * x[place]
+
+
+def test_a_place_that_is_not_found():
+    f = differentiate(last_above, engine="numpy")
+    assert vjp(f, (np.array([0.7, 0.9, 0.1]),), {"return": 1.0})["x"].tolist() == [0.0, 2.0, 0.0]
+    with pytest.raises(TypeError, match="^'place' is None here$"):
+        vjp(f, (np.zeros(3),), {"return": 1.0})

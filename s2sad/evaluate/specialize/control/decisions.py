@@ -5,7 +5,7 @@
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import Any
 
@@ -63,8 +63,13 @@ def _each(ev: Evaluator, choice: Choice, run: Callable[[], None], origin: AST) -
     first, numbers = choice.values[0], choice.numbers
 
     def one() -> None:
-        _put(ev, choice, first)
-        run()
+        around, slots = ev.found_none, _put(ev, choice, first)
+        if isinstance(first, Data) and first.is_known and first.known is None:
+            ev.found_none = around | slots
+        try:
+            run()
+        finally:
+            ev.found_none = around
 
     def others() -> None:
         _put(ev, choice, rest)
@@ -87,13 +92,15 @@ def _is_held(ev: Evaluator, choice: Choice) -> bool:
                for held in ev.heap.objects.values() if held.has_choices for v in held.items.values())
 
 
-def _put(ev: Evaluator, choice: Choice, value: Value) -> None:
-    """All slots that hold a choice hold one of its alternatives."""
-    value = bound_throughout(ev, value)
+def _put(ev: Evaluator, choice: Choice, value: Value) -> frozenset[tuple[int, Hashable]]:
+    """All slots that hold a choice hold one of its alternatives; which these are."""
+    value, slots = bound_throughout(ev, value), set[tuple[int, Hashable]]()
     for n, held in [(n, held) for n, held in ev.heap.objects.items() if held.has_choices]:
         new = {k: made for k, v in held.items.items() if (made := _with(v, choice, value)) is not None}
         if new:
             ev.heap.objects[n] = replace(held, items={**held.items, **new})
+            slots |= {(n, k) for k in new}
+    return frozenset(slots)
 
 
 def bound_throughout(ev: Evaluator, value: Value) -> Value:
