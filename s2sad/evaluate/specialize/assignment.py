@@ -11,6 +11,7 @@ from s2sad.evaluate.specialize.numeric_operators import OPERATORS
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation, statement
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
+from s2sad.evaluate.specialize.subscripts import sequence_and_place
 from s2sad.evaluate.specialize.values import (
     NONE, UNKNOWN, ClassValue, Data, LibraryValue, ObjectValue, Reference, ScopeValue, SliceValue, TupleValue, Value,
     constant, parts,
@@ -101,8 +102,7 @@ def place_of(ev: Evaluator, target: Any, f: Frame) -> tuple[Value, Any]:
     """What a target is in, and its key there: an attribute's name, or an index."""
     if isinstance(target, tree.Attribute):
         return ev.value(target.value, f), target.attr
-    base, key = ev.values([target.value, target.slice], f)
-    return base, key
+    return sequence_and_place(ev, target, f)
 
 
 @operation

@@ -30,10 +30,26 @@ def slice_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
 def subscript(ev: Evaluator, node: Any, f: Frame) -> Value:
     if isinstance(node.value, tree.Subscript):
         ev.spread.add(node.value)
-    base, place = ev.values([node.value, node.slice], f)
-    if isinstance(place, Data) and place.is_known and place.known is None and _was_looked_for(ev, node.slice, f):
-        raise ev.none_here(place, node.slice)       # x[None] has an axis more: what was looked for was not found
+    base, place = sequence_and_place(ev, node, f)
+    for value, written in _places(place, node.slice) if isinstance(base, Data) else ():
+        if isinstance(value, Data) and value.is_known and value.known is None and _was_looked_for(ev, written, f):
+            raise ev.none_here(value, written)      # x[None] has an axis more: what was looked for was not found
     return item_of(ev, base, place, node, f)
+
+
+def sequence_and_place(ev: Evaluator, node: Any, f: Frame) -> tuple[Value, Value]:
+    """What a subscript is in, and the place; of several places each is one thing."""
+    base, place = ev.values([node.value, node.slice], f)
+    for value, written in _places(place, node.slice):
+        ev.one(value, written)
+    return base, place
+
+
+def _places(place: Value, written: Any) -> list[tuple[Value, AST]]:
+    """The places of a subscript as they are written, one for each axis."""
+    if not isinstance(place, TupleValue) or not isinstance(written, tree.Tuple):
+        return [(place, written)]
+    return list(zip(place.items, written.elts)) if len(place.items) == len(written.elts) else []
 
 
 def _was_looked_for(ev: Evaluator, place: AST, f: Frame) -> bool:

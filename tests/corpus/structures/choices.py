@@ -399,8 +399,9 @@ def places_that_are_looked_for(x):
     finder = Finder()
     finder.find(x)
     rows = np.outer(x, x[::-1])
-    row = rows[finder.place]
-    return best * x[place] + row @ x
+    rows[finder.place, 1] *= x[place]
+    rows[0, place] += rows[place, finder.place]
+    return best * x[place] + rows[finder.place] @ x + rows[0] @ x
 
 
 EVERY = (
