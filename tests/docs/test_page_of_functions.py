@@ -14,7 +14,8 @@ from tests.harness.engines import compiling
 from tests.docs.functions import FLOATS, PAGE, arguments, expressions, function
 from tests.rules import test_rules
 
-HEAD = "import math\n\nimport numpy as np\nimport scipy.linalg\nimport scipy.sparse.linalg\nimport scipy.special\n\n\n"
+HEAD = "import cmath\nimport math\n\nimport numpy as np\nimport scipy.linalg\nimport scipy.sparse.linalg\n" \
+    "import scipy.special\n\n\n"
 RULES = [name for name in rules.names() if not name.startswith("runtime.")]
 
 

@@ -83,6 +83,13 @@ ROWS = {
         scipy.linalg.toeplitz(x, y)
         scipy.linalg.block_diag(m, m)
     """,
+    "cmath": """
+        abs(cmath.exp(x[0]) * cmath.log(1j * x[1]) + cmath.log10(x[2]) + cmath.sqrt(-x[3]))
+        abs(cmath.sin(x[0]) + cmath.cos(x[1]) * cmath.tan(x[2]) + 1j * cmath.asin(x[0]) * cmath.acos(x[1]))
+        abs(cmath.sinh(x[0]) + cmath.cosh(x[1]) * cmath.tanh(x[2]) + 1j * cmath.atan(x[3]) * cmath.acosh(x[0]))
+        abs(cmath.asinh(x[0]) + 1j * cmath.atanh(x[1])) * cmath.phase(complex(x[0], x[1]))
+        sum(cmath.polar(complex(x[0], y[1]))) * abs(cmath.rect(x[2], y[3]) + 1.0)
+    """,
     "scipy.special": """
         scipy.special.log_expit(x) * scipy.special.ndtr(x)
         scipy.special.exp2(x) * scipy.special.exp10(x)
