@@ -26,7 +26,7 @@ from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Diagnostic, S2sadError, warn_once
 from s2sad.extras import absent
 from s2sad.run.progress import Working
-from s2sad.run.internal_functions import DISTINCT, options, written_out
+from s2sad.run.internal_functions import DISTINCT, of_any_integers, options, written_out
 from s2sad.run.interrupts import interruptible
 from s2sad.run.interpreter import DTYPES, interpreted
 from s2sad.run.module_loader import load
@@ -193,7 +193,9 @@ def _jit(function: FunctionType, bounds: bool, on_disk: bool, fastmath: bool | s
     flags = {"error_model": "numpy", "boundscheck": bounds, "nogil": True, "fastmath": fastmath,
              "forceinline": inline, **options()[internal]}
     dispatcher = numba.njit(**flags)(function)
-    return stored(dispatcher, function.__module__) if on_disk and not internal else dispatcher
+    if internal:
+        return of_any_integers(dispatcher)
+    return stored(dispatcher, function.__module__) if on_disk else dispatcher
 
 
 def _is_interpreted(value: Any) -> bool:

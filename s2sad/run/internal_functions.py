@@ -60,6 +60,29 @@ def options() -> tuple[dict[str, Any], dict[str, Any]]:
     return called, {**called, "no_cpython_wrapper": True}
 
 
+def of_any_integers(dispatcher: Any) -> Any:
+    """A function that is compiled once for all integers that are written in its calls, and in tuples there: Numba has
+    a type for each of them, and compiles it for each."""
+    types, errors, given = (importlib.import_module("numba.core.types"), importlib.import_module("numba.core.errors"),
+                            dispatcher.get_call_template)
+
+    def plain(kind: Any) -> Any:
+        if isinstance(kind, types.BaseTuple) and not isinstance(kind, types.BaseNamedTuple):
+            return types.Tuple([plain(k) for k in kind])
+        return types.unliteral(kind) if isinstance(kind, types.IntegerLiteral) else kind
+
+    def get_call_template(args: Any, kws: Any) -> Any:
+        wanted = tuple(map(plain, args))
+        try:
+            return given(wanted, kws)
+        except errors.TypingError:
+            if wanted == tuple(args):
+                raise
+            return given(args, kws)     # an axis, or the place of an item in a tuple
+    dispatcher.get_call_template = get_call_template
+    return dispatcher
+
+
 def _compiler() -> type:
     """Numba's compiler with libraries that leave internal functions without machine code."""
     codegen, compiler, machinery, passes = (importlib.import_module(f"numba.{name}") for name in (

@@ -99,3 +99,31 @@ def test_arrays_that_share_no_memory_are_known_to_llvm():
         heads = [line for line in text.splitlines() if line.startswith("define") and "%arg.x.4" in line]
         assert heads and all(bool(re.search("noalias[^,]* %arg.x.4", line)) is bool(distinct) for line in heads)
         assert not any(re.search("noalias[^,]* %arg.x.0", line) for line in heads)
+
+
+WRITTEN = """import numpy as np
+
+
+def count(shape, k):
+    return shape[0] * shape[1] + k
+
+
+def along(x, k):
+    return np.concatenate((x, x), axis=k)
+
+
+def item(pair, k):
+    return pair[k]
+
+
+def entry(x, n):
+    return (count((n, 2), 0) + count((3, n), 1) + count((n, n), n) + along(x, 1).size + along(x, 0).shape[0]
+            + item((x, 7), 0).size + item((x, n), 1))
+"""
+
+
+def test_integers_that_calls_write_are_one_type_where_they_may_be():
+    module = engine.compiled(WRITTEN, "written", entries=["entry"])
+    assert module.entry(np.ones((2, 3)), 4) == 8 + (12 + 1) + (16 + 4) + 12 + 4 + 6 + 4
+    assert len(module.count.signatures) == 1
+    assert len(module.item.signatures) == 2     # the items are of different types
