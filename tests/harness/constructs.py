@@ -110,8 +110,12 @@ def main(arguments: list[str]) -> int:
         emitted = read(folder)
     kept = {case: c for case, c in listed().items() if case not in emitted} if arguments else {}
     found = chosen(emitted, kept)
+    listed_now = set().union(*found.values())
+    lost = sorted(_compiled() - listed_now) if arguments else []
     write_list(found)
-    print(f"{len(emitted)} cases, {len(found)} of them compiled for {len(set().union(*found.values()))} constructs")
+    print(f"{len(emitted)} cases, {len(found)} of them compiled for {len(listed_now)} constructs")
+    if lost:
+        print(f"listed for none of the cases that ran any more: {lost}; if others emit them, run these, too")
     return done.returncode
 
 
