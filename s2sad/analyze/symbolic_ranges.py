@@ -111,7 +111,7 @@ class SymbolicRanges:
         """What a quotient or a remainder does not exceed."""
         form = self.here.size(node.right)
         divisor = None if form is None else self.exact(form)
-        if divisor is None:
+        if divisor is None or any(c <= 0 for c in divisor.values()):
             return []
         multiples = [q for most in self.most(node.left) for above in self._spellings(_shifted(most, 1))
                      if (q := _quotient(above, divisor)) is not None]

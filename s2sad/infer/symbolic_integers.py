@@ -34,6 +34,7 @@ class Sizes(ABC):
         self.transient: set[str] = set()  # the symbols that mean a size within one statement only
         self.counters: dict[str, int] = {}  # the loop counters here, with the least that each can be
         self.positive_steps: list[Affine] = []  # steps of slices less 1, that must not be negative either
+        self._places: dict[str, bool] = {}      # the names asked for, and whether they are known not to be negative
         self.required: list[Affine] = []  # sizes that must not be negative for slices to have the extents assumed
 
     @abstractmethod
@@ -145,8 +146,10 @@ class Sizes(ABC):
         if isinstance(node, BinOp) and isinstance(node.op, (Add, Mult, FloorDiv)):
             return self._is_never_negative(node.left) and self._is_never_negative(node.right)
         if isinstance(node, Name):
-            value = self.values.get(node.id)
-            return value is not None and self._is_never_negative(value)
+            if node.id not in self._places:
+                value, self._places[node.id] = self.values.get(node.id), False      # what its own value may read
+                self._places[node.id] = value is not None and self._is_never_negative(value)
+            return self._places[node.id]
         if call_name(node) in ("builtins.min", "builtins.max"):
             return (all if call_name(node) == "builtins.min" else any)(map(self._is_never_negative, node.args))
         number = whole_number(node)

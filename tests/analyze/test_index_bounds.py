@@ -181,6 +181,12 @@ UNKNOWN = {
     for k in range(x.size):
         x[k // x.shape[0], k % x.shape[1]] = 1.0
 """, (array(3, 3),)),
+    "a remainder that is negative": ("def f(x):\n    for i in range(9):\n        x[i % -3] = 1.0\n", (array(3),)),
+    "a quotient that is negative": ("""def f(x, y):
+    n = -x.shape[0]
+    for i in range(x.shape[0] * y.shape[0]):
+        x[i % n] = y[i // n]
+""", (array(3), array(2))),
     "a negative product": ("""def f(x, n, m):
     for k in range(n * m):
         x[k // m] = 1.0
@@ -278,37 +284,44 @@ def test_what_is_known_holds(program, tmp_path):
 
 
 def with_products(rng):
-    """A kernel with nested loops over products of sizes, whose indices are products, quotients and remainders."""
-    sizes = ["x.shape[0]", "x.shape[1]", "len(y)", "n", "2", "(x.shape[0] // 2)", "(x.shape[1] // 2)"]
-
-    def product(of):
-        return " * ".join(rng.choice(sizes) for _ in range(of))
-
-    def index(counters):
-        first = f"{rng.choice(counters)} * {rng.choice(sizes)} + {rng.choice(counters)}"
-        whole = rng.choice([first, rng.choice(counters), f"({first}) * {rng.choice(sizes)} + {counters[0]}"])
-        return rng.choice([whole, f"({whole}) // {rng.choice(sizes)}", f"({whole}) % {rng.choice(sizes)}",
-                           f"({whole}) // {rng.choice(sizes)} % {rng.choice(sizes)}"])
-
-    lines, counters = [f"work = np.zeros({product(2)})", f"wide = np.zeros(({product(1)}, {product(2)}))"], []
-    for k in range(rng.integers(1, 4)):
-        counters.append(f"i{k}")
-        lines.append("    " * k + f"for i{k} in range({product(rng.integers(1, 3))}):")
-    places = [f"work[{index(counters)}]", f"x[{index(counters)}, {index(counters)}]",
-              f"wide[{index(counters)}, {index(counters)}]"]
-    lines += ["    " * len(counters) + f"{p} = 1.0" for p in places[:rng.integers(1, 4)]]
+    """A kernel that goes through an array of several axes as one row of elements, most often with the sizes that it
+    has, else with a wrong one, a number too many, or a divisor that may be negative."""
+    sizes = ["x.shape[0]", "x.shape[1]", "len(y)", "3", "2", "(x.shape[0] // 2)", "(x.shape[1] // 2)"]
+    axes = [str(rng.choice(sizes)) for _ in range(rng.integers(2, 4))]
+    lines = [f"row = np.zeros({' * '.join(axes)})", f"whole = np.zeros(({', '.join(axes)}))"]
+    walked, divisors = [str(size) for size in rng.permutation(axes)], list(axes)
+    if rng.random() < 0.5:
+        walked[rng.integers(len(walked))] = str(rng.choice(sizes))
+    if rng.random() < 0.3:
+        divisors[rng.integers(len(axes))] = str(rng.choice([*sizes, "-2", "(2 - len(y))"]))
+    if rng.random() < 0.5:
+        counters = [f"i{k}" for k in range(len(walked))]
+        lines += [f"{'    ' * k}for i{k} in range({size}):" for k, size in enumerate(walked)]
+        place = counters[0]
+        for counter, size in zip(counters[1:], walked[1:]):
+            place = f"({place}) * {size} + {counter}"
+        place += str(rng.choice(["", "", "", " + 1"]))
+    else:
+        counters, place = ["i0"], "i0"
+        lines.append(f"for i0 in range({' * '.join(walked)}{rng.choice(['', '', ' + 1', ' - 1'])}):")
+    places, rest = [], place
+    for size in reversed(divisors[1:]):
+        places.append(f"({rest}) % {size}")
+        rest = f"({rest}) // {size}"
+    stores = [f"row[{place}] = 1.0"] * int(rng.integers(2)) + [f"whole[{', '.join([rest, *reversed(places)])}] = 1.0"]
+    lines += ["    " * len(counters) + store for store in stores]
     return "def f(x, y, n, k):\n" + "\n".join(f"    {line}" for line in lines) + "\n"
 
 
 @pytest.mark.parametrize("program", range(60))
 def test_what_is_known_of_products_holds(program, tmp_path):
-    _holds(with_products(generator(seeded(program))), tmp_path)
+    _holds(with_products(generator(seeded(program))), tmp_path, numbers=False)
 
 
-def _holds(text, tmp_path):
+def _holds(text, tmp_path, numbers=True):
     known = inside(tmp_path / "kernel.py", text, (array(2, 2), array(2), 1, 1))
-    sizes = itertools.product(range(4), range(4), range(4), range(-1, 4), range(-1, 3))
-    for rows, columns, length, n, k in sizes:
+    numbers = [(n, k) for n in range(-1, 4) for k in range(-1, 3)] if numbers else [(1, 1)]
+    for rows, columns, length, (n, k) in itertools.product(range(5), range(5), range(4), numbers):
         arguments = array(rows, columns), array(length), n, k
         if known(arguments):
             assert runs(text, arguments), (text, rows, columns, length, n, k)
