@@ -4,7 +4,8 @@ Where an identity offers several forms of a partial, the one is written that nei
 `tanh` the square of 1 / cosh (1 - y * y has no correct digit left at x = 20), for `arcsin` (1 - x) * (1 + x)
 (1 - x * x has lost half of them near 1), for `log(exp(a) + exp(b))` a difference of a and b. `singular` marks
 partials that are infinite or nan somewhere: a zero seed has to contribute an exact zero there. Where a function is nan
-its partials are: `log` at -1 has no derivative, whatever 1 / x is.
+its partials are: `log` at -1 has no derivative, whatever 1 / x is. Of complex numbers a partial that is a root is
+written by the result: on a branch cut a root of the operand has lost the side, which is the sign of a zero.
 """
 from __future__ import annotations
 
@@ -113,9 +114,9 @@ elementwise("numpy.sin(x)", x="numpy.cos(x)", also=("math.sin",), plane="holomor
 elementwise("numpy.cos(x)", x="-numpy.sin(x)", also=("math.cos",), plane="holomorphic")
 elementwise("numpy.tan(x)", x="1.0 + y * y", also=("math.tan",), domain={"x": (-1.3, 1.3)}, plane="holomorphic")
 elementwise("numpy.arcsin(x)", x="1.0 / numpy.sqrt((1.0 - x) * (1.0 + x))", also=("numpy.asin", "math.asin"),
-            singular=("x",), domain=_UNIT, plane="holomorphic")
+            singular=("x",), domain=_UNIT, plane=("holomorphic", {"x": "1.0 / numpy.cos(y)"}))
 elementwise("numpy.arccos(x)", x="-1.0 / numpy.sqrt((1.0 - x) * (1.0 + x))", also=("numpy.acos", "math.acos"),
-            singular=("x",), domain=_UNIT, plane="holomorphic")
+            singular=("x",), domain=_UNIT, plane=("holomorphic", {"x": "-1.0 / numpy.sin(y)"}))
 elementwise("numpy.arctan(x)", x="1.0 / (1.0 + x * x)", also=("numpy.atan", "math.atan"), plane="holomorphic")
 elementwise("numpy.arctan2(a, b)", a="b / numpy.hypot(a, b) / numpy.hypot(a, b)", singular=("a", "b"),
             b="-a / numpy.hypot(a, b) / numpy.hypot(a, b)", also=("numpy.atan2", "math.atan2"),
@@ -135,9 +136,10 @@ elementwise("numpy.sinh(x)", x="numpy.cosh(x)", also=("math.sinh",), plane="holo
 elementwise("numpy.cosh(x)", x="numpy.sinh(x)", also=("math.cosh",), plane="holomorphic")
 elementwise("numpy.tanh(x)", x="(1.0 / numpy.cosh(x)) ** 2", also=("math.tanh",), plane="holomorphic")
 elementwise("numpy.arcsinh(x)", x="1.0 / numpy.hypot(1.0, x)", also=("numpy.asinh", "math.asinh"),
-            plane=("holomorphic", {"x": "1.0 / numpy.sqrt(1.0 + x * x)"}))
+            plane=("holomorphic", {"x": "1.0 / numpy.cosh(y)"}))
 elementwise("numpy.arccosh(x)", x="1.0 / (numpy.sqrt(x - 1.0) * numpy.sqrt(x + 1.0))", singular=("x",),
-            also=("numpy.acosh", "math.acosh"), domain={"x": (1.05, 4.0)}, plane="holomorphic")
+            also=("numpy.acosh", "math.acosh"), domain={"x": (1.05, 4.0)},
+            plane=("holomorphic", {"x": "1.0 / numpy.sinh(y)"}))
 elementwise("numpy.arctanh(x)", x="1.0 / numpy.where(numpy.abs(x) > 1, numpy.nan, (1.0 - x) * (1.0 + x))",
             also=("numpy.atanh", "math.atanh"), singular=("x",), domain=_UNIT,
             plane=("holomorphic", {"x": "1.0 / ((1.0 - x) * (1.0 + x))"}))

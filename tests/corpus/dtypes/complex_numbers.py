@@ -69,6 +69,19 @@ def of_cmath(k, c, x):
     return r + 2.0 * angle + cmath.phase(root) * cmath.pi + cmath.cos(total).real
 
 
+def on_one_side(w):
+    return (np.sum(np.arcsin(w).imag) + 2.0 * np.sum(np.arccos(w).imag) + 3.0 * np.sum(np.arccosh(w).real)
+            + 4.0 * np.sum(np.arctanh(w).real) + 5.0 * np.sum(np.sqrt(w).imag) + np.sum((w ** 0.7).imag)
+            + 6.0 * np.sum(np.arcsinh(1j * w).real) + 7.0 * np.sum(np.log(w).real))
+
+
+def on_branch_cuts(x):
+    """The sign of a zero is the side of the cut that a number lies on."""
+    z = x + 1.5 + 0j
+    s = on_one_side(z) - 0.3 * on_one_side(np.conj(z)) + x[0] * on_one_side(-z) + x[1] * on_one_side(np.conj(-z))
+    return s + abs(z[2] - 0.5)
+
+
 def products(m, z, w, x):
     """Products, sums along axes, functions that move elements."""
     y = m @ z + np.dot(m, x) - np.roll(z, 1) * np.vdot(z, w)
@@ -198,6 +211,7 @@ def cases():
     yield Case(elements, (Z, 0.1 + 0.2j, X), ("z", "c", "x"), ("z", "return"))
     yield Case(transfer, (X, 2.0, 0.3, 0.1), ("w", "k", "m", "c"))
     yield Case(of_cmath, (1.3, 0.4, X), ("k", "c", "x"))
+    yield Case(on_branch_cuts, (np.array([0.2, 0.7, 1.9]),), "x")
     yield Case(products, (M, Z, W, X), ("m", "z", "w", "x"))
     yield Case(views, (Z, 3), ("z",), ("z", "return"))
     yield Case(mixed, (Z, X), ("z", "x"), ("x", "return"))
