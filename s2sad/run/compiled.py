@@ -26,7 +26,7 @@ from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Diagnostic, S2sadError, warn_once
 from s2sad.extras import absent
 from s2sad.run.progress import Working
-from s2sad.run.internal_functions import DISTINCT, of_any_integers, options, written_out
+from s2sad.run.internal_functions import DISTINCT, options, without_integer_literals, written_out
 from s2sad.run.interrupts import interruptible
 from s2sad.run.interpreter import DTYPES, interpreted
 from s2sad.run.module_loader import load
@@ -194,7 +194,7 @@ def _jit(function: FunctionType, bounds: bool, on_disk: bool, fastmath: bool | s
              "forceinline": inline, **options()[internal]}
     dispatcher = numba.njit(**flags)(function)
     if internal:
-        return of_any_integers(dispatcher)
+        return without_integer_literals(dispatcher)
     return stored(dispatcher, function.__module__) if on_disk else dispatcher
 
 

@@ -60,7 +60,7 @@ def options() -> tuple[dict[str, Any], dict[str, Any]]:
     return called, {**called, "no_cpython_wrapper": True}
 
 
-def of_any_integers(dispatcher: Any) -> Any:
+def without_integer_literals(dispatcher: Any) -> Any:
     """A function that is compiled once for all integers that are written in its calls, and in tuples there: Numba has
     a type for each of them, and compiles it for each."""
     types, errors, given = (importlib.import_module("numba.core.types"), importlib.import_module("numba.core.errors"),
