@@ -60,6 +60,54 @@ def count(start=0, step=1):
         k += step
 
 
+def cycle(iterable):
+    saved = []
+    for item in iterable:
+        yield item
+        saved.append(item)
+    while True:
+        for item in saved:
+            yield item
+
+
+def repeat(object):
+    while True:
+        yield object
+
+
+def pairwise(iterable):
+    last = None
+    for item in iterable:
+        if last is not None:
+            yield last, item
+        last = item
+
+
+def islice(iterable, start, stop, step):
+    for k, item in enumerate(iterable):
+        if k >= start and (k - start) % step == 0:
+            yield item
+        if stop is not None and k == stop - 1:
+            break
+
+
+def takewhile(predicate, iterable):
+    for item in iterable:
+        if not predicate(item):
+            break
+        yield item
+
+
+def starmap(function, iterable):
+    for item in iterable:
+        yield function(*item)
+
+
+def from_iterable(iterable):
+    for items in iterable:
+        yield from items
+
+
 def of_complex(function):
     def of_number(z):
         return function(complex(z))
@@ -259,7 +307,8 @@ _OF_NUMPY = {"phase": "angle", **{f"a{name}": f"arc{name}" for name in ("sin", "
 _OF_COMPLEX = ("exp", "log", "log10", "sqrt", "sin", "cos", "tan", "sinh", "cosh", "tanh", *_OF_NUMPY)
 
 WRITTEN: dict[str, Callable[..., Any]] = dict((
-    *_by_path("itertools", count), *_by_path("cmath", polar, rect),
+    *_by_path("itertools", count, cycle, repeat, pairwise, islice, takewhile, starmap),
+    *_by_path("itertools.chain", from_iterable), *_by_path("cmath", polar, rect),
     *((f"cmath.{name}", of_complex(getattr(np, _OF_NUMPY.get(name, name)))) for name in _OF_COMPLEX),
     *_by_path("numpy", piecewise, fromfunction, apply_along_axis, vectorized, rollaxis, broadcast_arrays, unwrap,
               polyadd, polysub, poly1d),

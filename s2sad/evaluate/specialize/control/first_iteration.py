@@ -15,6 +15,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator
+from s2sad.evaluate.specialize.sequences.endless import ENDLESS, behind_first
 from s2sad.evaluate.specialize.values import Data, Iteration, TupleValue, Value, constant
 from s2sad.program import Fact
 from s2sad.tree import AST
@@ -91,6 +92,8 @@ def split_iteration(ev: Evaluator, through: Value, node: AST) -> Split | None:
         return _range(ev, through, node)
     if through.kind == "enumerate":
         return _enumerate(ev, through, node)
+    if through.kind in ENDLESS:
+        return Split(ev.item_at(through, constant(0), node, ev.entry), behind_first(through), ())
     if through.kind == "zip":
         inner = [split_iteration(ev, p, node) for p in through.parts]
         if not all(inner):

@@ -104,7 +104,7 @@ def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     if isinstance(whole, Iteration) and whole.kind in NESTED:
         whole = ev.nested(whole, s.target, s.iter, f)
     elif not _is_range(whole):       # a range that stays is read as it is
-        whole = ev.atoms(whole, "items", s.iter)
+        whole = ev.atoms(ev.as_generator(whole, s.iter, f), "items", s.iter)
     if s.orelse and ev.stays_one(whole) and not _has_known_rounds(ev, whole, s, f) and not isinstance(
             s.target, (tree.Subscript, tree.Attribute)):
         whole = ev.one_loop(whole, s.target, s.iter, f)

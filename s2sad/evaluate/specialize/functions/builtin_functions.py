@@ -50,7 +50,8 @@ def _reversed(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Val
     if isinstance(args[0], Iteration) and args[0].kind not in ("range", "keys", "values", "items"):
         given = node.args[0] if isinstance(node, tree.Call) and node.args else node
         raise ev.refusal(given, "reversed() of this", help="reverse a range or an array")
-    return ev.iterator("reversed", args[0])
+    held = ev.heap[args[0]] if isinstance(args[0], Reference) else None
+    return ev.iterator("reversed", args[0], more=len(held.items) if held is not None and held.kind == "list" else None)
 
 
 @function("builtins.map")

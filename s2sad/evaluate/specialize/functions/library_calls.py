@@ -49,9 +49,11 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
         try:
             found = known(ev, list(args), dict(keywords), node, f)
         except Unevaluated as first:
+            ev.restore(before)
+            if any(isinstance(a, Iteration) and a.kind in ("map", "filter") for a in args):
+                return library_call(ev, path, [ev.as_comprehension(a, node, f) for a in args], keywords, node, f)
             if not any(isinstance(a, Iteration) and a.kind == "generator" for a in args):
                 raise
-            ev.restore(before)
             args = [ev.listed(a, node, f) for a in args]
             if path in _STOPPING and ev.has_acted(before):
                 raise       # Python does no more than it needs to

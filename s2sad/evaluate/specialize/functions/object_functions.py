@@ -12,10 +12,11 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Known, Options, function
 from s2sad.evaluate.specialize.functions.standard_library import copied
 from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.sequences.endless import ENDLESS
 from s2sad.evaluate.specialize.sequences.iterator_use import DEFAULT
 from s2sad.evaluate.specialize.values import (
-    FACTORY, NONE, ClassValue, Conflict, Data, LibraryValue, ObjectValue, Reference, OpaqueValue, SliceValue,
-    TupleValue, Value, constant, demands_of,
+    FACTORY, NONE, ClassValue, Conflict, Data, Iteration, LibraryValue, ObjectValue, Reference, OpaqueValue,
+    SliceValue, TupleValue, Value, constant, demands_of,
 )
 from s2sad.tree import AST
 
@@ -151,11 +152,16 @@ def _from_keys(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Va
 
 # -- iterators ---------------------------------------------------------------------------------------------------------
 @function("builtins.iter")
-def _iter(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
-    if f.label == "__iter__" and isinstance(args[0], (Reference, TupleValue)):
-        return args[0]      # what asks for it goes through it once
+def _iter(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
     base = args[0]
-    if not isinstance(base, Data):
+    if f.label == "__iter__" and isinstance(base, (Reference, TupleValue)) or ev.is_iterator(base):
+        return base      # what asks for it goes through it once
+    own = ev.special_method(base, "__iter__", node, f)
+    if own is not None:
+        through = ev.call(own, [], {}, node, f)
+        if through != base:
+            return ev.library_call("builtins.iter", [through], options, node, f)
+    if not isinstance(base, Data) and not ev.is_read_in_place(base):
         base = TupleValue(tuple(ev.atoms(i, "item", node) for i in ev.items_of(base, node, f)))
     return ev.heap.new(Object("iterator", {"base": ev.atoms(base, "items", node), "k": constant(0)}, site=node))
 
@@ -165,9 +171,10 @@ def rest_of(ev: Evaluator, iterator: Reference, node: AST, f: Frame) -> Value:
     """What an iterator has not given yet, to something that goes through it; nothing else may ask it from then on."""
     base, k = _position(ev, iterator, node)
     ev.heap.put(iterator, "base", Conflict("an iterator that something has gone through"))
-    if isinstance(base, TupleValue):
-        return TupleValue(base.items[k:])
-    return ev.item_of(base, SliceValue((constant(k), NONE, NONE)), node, f) if k else base
+    if not k or isinstance(base, TupleValue):
+        return TupleValue(base.items[k:]) if isinstance(base, TupleValue) else base
+    return ev.item_of(base, SliceValue((constant(k), NONE, NONE)), node, f) if isinstance(base, Data) else Iteration(
+        "behind", (base, constant(k)))
 
 
 def _position(ev: Evaluator, iterator: Reference, node: AST) -> tuple[Value, int]:
@@ -186,18 +193,21 @@ def _first(ev: Evaluator, args: Args, node: AST, f: Frame) -> Value:
 
 @function("builtins.next")
 def _next(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    if isinstance(args[0], Iteration) and args[0].kind in ENDLESS:
+        return ev.next_endless(args[0], node, f)
     held = ev.heap[args[0]] if isinstance(args[0], Reference) else None
     if held is None or held.kind != "iterator":
         return _first(ev, args, node, f)
     base, k = _position(ev, args[0], node)  # pyright: ignore[reportArgumentType]
-    if isinstance(base, TupleValue) and k >= len(base.items):
-        if args[1:]:
-            return args[1]
-        raise ev.refusal(node, "next() behind the last item")
-    if args[1:] and not isinstance(base, TupleValue):
+    if args[1:] and isinstance(base, Data):
         raise ev.refusal(node, "next() with a default, of an array", help="test its length")
+    found = [ev.item_of(base, constant(k), node, f)] if isinstance(base, Data) else ev.item_behind(base, k, node, f)
+    if not found and args[1:]:
+        return args[1]
+    if not found:
+        raise ev.refusal(node, "next() behind the last item")
     ev.heap.put(args[0], "k", constant(k + 1))  # pyright: ignore[reportArgumentType]
-    return base.items[k] if isinstance(base, TupleValue) else ev.item_of(base, constant(k), node, f)
+    return found[0]
 
 
 # -- what is said on the way, which no derivative says -----------------------------------------------------------------

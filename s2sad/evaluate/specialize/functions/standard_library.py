@@ -13,10 +13,13 @@ from s2sad.evaluate.specialize.numeric_operators import OPERATORS
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, Options, function
+from s2sad.evaluate.specialize.sequences.endless import is_endless
+from s2sad.evaluate.specialize.sequences.generators import is_lazy
 from s2sad.evaluate.specialize.sequences.nested_ranges import COMBINED, rows_of
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    Conflict, Data, FunctionValue, Iteration, LibraryValue, Reference, ScopeValue, TupleValue, Value, constant,
+    Conflict, Data, FunctionValue, Iteration, LibraryValue, Reference, ScopeValue, SliceValue, TupleValue, Value,
+    constant,
 )
 from s2sad.read.outside_values import LibraryScope
 from s2sad.tree import AST
@@ -168,21 +171,61 @@ def _accumulate(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame
     return TupleValue(tuple(found))
 
 
-@function("itertools.permutations", "itertools.pairwise", "itertools.repeat",
-          "itertools.islice")
-def _itertools(ev: Evaluator, args: Args, options: Options, node: Any, f: Frame) -> Value:
-    name = ev.called
-    if name in ("permutations", "pairwise"):
-        items = list(enumerate(ev.items_of(args[0], node, f)))
-        rows = getattr(itertools, name)(items, *(ev.known(a, node, "how many are taken") for a in args[1:]))
-        return TupleValue(tuple(rows_of(ev, rows, node)))
-    numbers = [ev.known(a, node, "how many are taken") for a in args[1:]]
-    items = [args[0]] if name == "repeat" else ev.items_of(args[0], node, f)
-    if not numbers:
-        raise ev.refusal(node, "itertools.repeat without an end")
-    if name == "repeat":
-        ev.counted(items, node, max(numbers[0], 0))
-    return TupleValue(tuple(items * numbers[0] if name == "repeat" else itertools.islice(items, *numbers)))
+@function("itertools.permutations")
+def _permutations(ev: Evaluator, args: Args, options: Options, node: Any, f: Frame) -> Value:
+    items = list(enumerate(ev.items_of(args[0], node, f)))
+    sizes = [ev.known(a, node, "how many are taken") for a in (*args[1:], *options.values())]
+    return TupleValue(tuple(rows_of(ev, itertools.permutations(items, *sizes), node)))
+
+
+@function("itertools.pairwise")
+def _pairs(ev: Evaluator, args: Args, options: Options, node: Any, f: Frame) -> Value:
+    return ev.iterator("itertools.pairwise", ev.atoms(args[0], "items", node))
+
+
+@function("itertools.count")
+def _count(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    given = {"start": constant(0), "step": constant(1), **dict(zip(("start", "step"), args)), **options}
+    return ev.endless_iterator("itertools.count", node, given["start"], given["step"])
+
+
+@function("itertools.cycle")
+def _cycle(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
+    if isinstance(args[0], Data) and not isinstance(args[0].known, tuple):
+        raise ev.refusal(node, "itertools.cycle of an array or a list of the run, which keeps what it gives first",
+                         help="take the items by their places: w[k % len(w)]")
+    items = ev.items_of(args[0], node, f)
+    if not items:
+        raise ev.refusal(node, "itertools.cycle of nothing")
+    return ev.endless_iterator("itertools.cycle", node, TupleValue(tuple(items)), args[0])
+
+
+@function("itertools.repeat")
+def _repeat(ev: Evaluator, args: Args, options: Options, node: Any, f: Frame) -> Value:
+    times = [*args[1:], *options.values()]
+    if not times:
+        return ev.endless_iterator("itertools.repeat", node, args[0])
+    count = max(ev.known(times[0], node, "how many are taken"), 0)
+    ev.counted(args[:1], node, count)
+    return TupleValue((args[0],) * count)
+
+
+@function("itertools.islice")
+def _islice(ev: Evaluator, args: Args, options: Options, node: Any, f: Frame) -> Value:
+    """A part of a sequence from its start, of what ends or does not."""
+    bounds = [ev.known(a, node, "how many are taken") for a in args[1:]]
+    if any(b is not None and (type(b) is not int or b < 0) for b in bounds):
+        raise ev.refusal(node, "itertools.islice with what is no place from the start")
+    start, stop, step = (*(bounds if bounds[1:] else [0, *bounds]), None)[:3]
+    if isinstance(args[0], Data) and not args[0].is_known:
+        return ev.item_of(args[0], SliceValue(tuple(map(constant, (start, stop, step)))), node, f)
+    if stop != 0 and is_lazy(args[0]):
+        return ev.written_function("itertools.islice", [args[0], *map(constant, (start or 0, stop, step or 1))], {},
+                                   node, f)
+    if not is_endless(args[0]) or stop is None:
+        return TupleValue(tuple(itertools.islice(ev.items_of(args[0], node, f), start, stop, step)))
+    both = ev.items_of(Iteration("zip", (Iteration("range", (constant(stop),)), args[0])), node, f)
+    return TupleValue(tuple(b.items[1] for b in both[start::step] if isinstance(b, TupleValue)))
 
 
 def _operators() -> None:

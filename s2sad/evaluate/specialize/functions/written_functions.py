@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy
 
+from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Span
 from s2sad.evaluate import library_functions
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function, library_call
 from s2sad.evaluate.specialize.signals import Unevaluated
-from s2sad.evaluate.specialize.values import Data, TupleValue, Value, constant
+from s2sad.evaluate.specialize.values import Data, Iteration, TupleValue, Value, constant
 from s2sad.evaluate.specialize.sequences.known_shapes import shape
 from s2sad.read.outside_values import library_value
 from s2sad.tree import AST, placed, walk
@@ -38,11 +39,24 @@ def written_function(ev: Evaluator, path: str, args: Sequence[Value], keywords: 
         raise
     except S2sadError as error:
         raise _of_the_call(ev, error, node) from None
+    if isinstance(found, Iteration) and found.kind == "yields":
+        found = _told_here(ev, found, node)
     for made_here in (*ev.block[start:], *([found.node] if isinstance(found, Data) else ())):
         for n in walk(made_here):
             if getattr(n, "lineno", None) and ev.source.home(n.lineno)[0].path == library_functions.__file__:
                 placed(n, node)
     return found
+
+
+def _told_here(ev: Evaluator, generator: Iteration, node: AST) -> Iteration:
+    """A generator whose statements stand at the call, for what is said of them."""
+    frame, definition = generator.more
+    if (node, definition.name) not in ev.loops_of:
+        text = tree.copy(definition)
+        for n in walk(text):
+            placed(n, node)
+        ev.loops_of[node, definition.name] = text
+    return replace(generator, more=(frame, ev.loops_of[node, definition.name]))
 
 
 def _of_the_call(ev: Evaluator, error: S2sadError, node: AST) -> S2sadError:

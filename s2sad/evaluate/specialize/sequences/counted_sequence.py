@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator
+from s2sad.evaluate.specialize.sequences.endless import ENDLESS
 from s2sad.evaluate.specialize.values import Data, Iteration, MethodValue, TupleValue, Value
 from s2sad.liveness import base_name, targets
 from s2sad.tree import AST
@@ -33,16 +34,26 @@ def counted_sequence(ev: Evaluator, value: Value, node: AST) -> CountedSequence:
         return CountedSequence(tuple(ev.spelled(p, node) for p in value.parts), _number)
     if isinstance(value, Iteration) and value.kind == "reversed":
         return _reversed(ev, value.parts[0], node)
-    length, item = _column(ev, value, node)
+    length, item = _ending(ev, value, node)
     return CountedSequence((length,), item)
+
+
+def _ending(ev: Evaluator, value: Value, node: AST) -> tuple[AST, Item]:
+    length, item = _column(ev, value, node)
+    if length is None:
+        raise ev.unknown(node, "several iterators at once of which none ends",
+                         help="go through one of them, and count in the loop: k += 1")
+    return length, item
 
 
 def _number(k: AST) -> Data:
     return Data(k, shape=())
 
 
-def _column(ev: Evaluator, value: Value, node: AST) -> tuple[AST, Item]:
-    """Length and item of one sequence, counted from 0."""
+def _column(ev: Evaluator, value: Value, node: AST) -> tuple[AST | None, Item]:
+    """Length and item of one sequence, counted from 0; None of one that never ends."""
+    if isinstance(value, Iteration) and value.kind in ENDLESS:
+        return None, lambda k: ev.item_at(value, _number(k), node, ev.entry)
     if isinstance(value, MethodValue) and value.name == "flat":
         flat = ev.spelled(value, node)
         return tree.attribute(ev.spelled(value.base, node), "size"), lambda k: _number(
@@ -57,9 +68,10 @@ def _column(ev: Evaluator, value: Value, node: AST) -> tuple[AST, Item]:
         return length, lambda k: TupleValue((_number(_plus(tree.copy(k), tree.copy(start))), inner(k)))
     if isinstance(value, Iteration) and value.kind == "zip" and value.parts:
         columns = [_column(ev, p, node) for p in value.parts]
-        return _least([c[0] for c in columns]), lambda k: TupleValue(tuple(c[1](tree.copy(k)) for c in columns))
+        return _least([c[0] for c in columns if c[0] is not None]), lambda k: TupleValue(tuple(
+            c[1](tree.copy(k)) for c in columns))
     if isinstance(value, Iteration) and value.kind == "reversed":
-        length, inner = _column(ev, value.parts[0], node)
+        length, inner = _ending(ev, value.parts[0], node)
         return length, lambda k: inner(tree.sub(tree.sub(tree.copy(length), tree.const(1)), k))
     if isinstance(value, Iteration) and value.kind == "part":
         length, place = _column(ev, value.parts[1], node)
@@ -159,7 +171,7 @@ def _range(bounds: Sequence[AST]) -> tuple[AST, Item]:
 
 def _reversed(ev: Evaluator, value: Value, node: AST) -> CountedSequence:
     if not isinstance(value, Iteration) or value.kind != "range":
-        length, item = _column(ev, value, node)
+        length, item = _ending(ev, value, node)
         return CountedSequence((_minus(length, tree.const(1)), tree.const(-1), tree.const(-1)), item)
     bounds = [ev.spelled(p, node) for p in value.parts]
     start, stop = (tree.const(0), bounds[0]) if len(bounds) == 1 else bounds[:2]
@@ -199,6 +211,6 @@ def _minus(a: AST, b: AST) -> AST:
     return a if right == 0 else tree.sub(a, b)
 
 
-def _least(lengths: Sequence[AST]) -> AST:
+def _least(lengths: Sequence[AST]) -> AST | None:
     distinct = list({tree.dump(n): n for n in lengths}.values())
-    return distinct[0] if len(distinct) == 1 else tree.call("min", *distinct)
+    return None if not distinct else distinct[0] if len(distinct) == 1 else tree.call("min", *distinct)

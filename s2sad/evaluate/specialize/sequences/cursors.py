@@ -9,6 +9,7 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.sequences.endless import ENDLESS, OfEndless, is_endless
 from s2sad.evaluate.specialize.values import (
     FACTORY, Data, Iteration, Reference, TupleValue, Value, constant, value_of_key,
 )
@@ -119,7 +120,7 @@ def _zipped(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> Any:
             ev.emit(tree.Assert(test, why), node)
             cursors.append(OfArray(ev, part, node))
         else:
-            cursors.append(cursor_of(ev, part, node, f))
+            cursors.append(_beside(ev, part, node, f))
     return Together(tuple(cursors), TupleValue)
 
 
@@ -136,12 +137,21 @@ def cursor_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> Any:
         return OfDict(ev, base, value.kind, tuple(_keys(ev, base)))
     if isinstance(value, Iteration) and value.kind == "reversed" and isinstance(value.parts[0], Reference) and (
             ev.heap[value.parts[0]].kind == "list"):
-        return Backwards(ev, value.parts[0], len(ev.heap[value.parts[0]].items) - 1)
-    if isinstance(value, Iteration):
+        return Backwards(ev, value.parts[0], value.more - 1)
+    if isinstance(value, Iteration) and not is_endless(value):
         inner = _CURSORS.get(value.kind)
         if inner is not None:
             return inner(ev, value, node, f)
     return Known(tuple(ev.all_items(value, node, f)))
+
+
+def _beside(ev: Evaluator, value: Value, node: AST, f: Frame) -> Any:
+    """The start of a loop through a value beside others, which may end first."""
+    if isinstance(value, Iteration) and value.kind in ENDLESS:
+        return OfEndless(ev, value, node, f)
+    if isinstance(value, Iteration) and is_endless(value):
+        return _CURSORS[value.kind](ev, value, node, f)
+    return cursor_of(ev, value, node, f)
 
 
 def _enumerated(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> Any:
@@ -153,14 +163,32 @@ def _enumerated(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> Any:
 
         def next(self) -> tuple[Value, Count]:
             return constant(self.k), Count(self.k + 1)
-    return Together((Count(first), cursor_of(ev, value.parts[0], node, f)), TupleValue)
+    return Together((Count(first), _beside(ev, value.parts[0], node, f)), TupleValue)
 
 
 def _mapped(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> Any:
     function, *through = value.parts
-    return Together(tuple(cursor_of(ev, p, node, f) for p in through),
+    return Together(tuple(_beside(ev, p, node, f) for p in through),
                     lambda items: ev.call(function, list(items), {}, node, f))
 
 
+def _behind(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> Any:
+    """Behind so many items."""
+    base, k = value.parts
+    cursor = _beside(ev, base, node, f)
+    for _ in range(ev.known(k, node, "how many items were taken")):
+        found = cursor.next()
+        cursor = found[1] if found is not None else Known(())
+    return cursor
+
+
+@operation
+def item_behind(ev: Evaluator, base: Value, k: int, node: AST, f: Frame) -> list[Value]:
+    """The item behind k others of what is read in place; none where there is none."""
+    found = _behind(ev, Iteration("behind", (base, constant(k))), node, f).next()
+    return [] if found is None else [found[0]]
+
+
 _CURSORS: dict[str, Callable[..., Any]] = {
-    "zip": _zipped, "enumerate": _enumerated, "map": _mapped}
+    "zip": _zipped, "enumerate": _enumerated, "map": _mapped, "behind": _behind}
+TOGETHER = tuple(_CURSORS)

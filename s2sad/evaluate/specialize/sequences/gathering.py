@@ -2,7 +2,7 @@
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -14,7 +14,7 @@ from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
 from s2sad.evaluate.specialize.sequences.counted_sequence import list_parts
 from s2sad.evaluate.specialize.signals import Unevaluated
-from s2sad.evaluate.specialize.heap import Temporary
+from s2sad.evaluate.specialize.heap import Object, Temporary
 from s2sad.evaluate.specialize.values import LARGEST_SEQUENCE, Data, Iteration, TupleValue, Value
 from s2sad.read.outside_values import library_value
 from s2sad.tree import AST
@@ -192,6 +192,48 @@ def _each(ev: Evaluator, node: AST) -> Any:
         made.generators[0].iter = tree.name(ITERATED)
         ev.loops_of[node, "each"] = tree.at(made, node)
     return ev.loops_of[node, "each"]
+
+
+@operation
+def as_comprehension(ev: Evaluator, value: Value, node: AST, f: Frame) -> Value:
+    """`map` and `filter` as the generators that they are: `(f(*a) for a in zip(u, v))`."""
+    if not isinstance(value, Iteration) or value.kind not in ("map", "filter"):
+        return value
+    function, *through = value.parts
+    plain = value.kind == "filter" and isinstance(function, Data)
+    several = value.kind == "map" and len(through) > 1
+    if (node, value.kind) not in ev.loops_of:
+        text: Any = tree.statements("(function(*item) for item in items)" if several else "(function(item) for item in "
+                                    "items)" if value.kind == "map" else "(item for item in items if item)" if plain
+                                    else "(item for item in items if function(item))")[0]
+        ev.loops_of[node, value.kind] = tree.at(text.value, node)
+    items = ev.iterator("zip", *through) if several else through[0]
+    held: dict[Hashable, Value] = {"items": items, "function": function}
+    inner = replace(f, reference=ev.heap.new(Object("frame", held)), outer=f, is_entry=False,
+                    local=frozenset({"items", "function"}), nonlocals=frozenset())
+    ev.frames.setdefault(inner.reference.number, inner)
+    return generator(ev, ev.loops_of[node, value.kind], inner)
+
+
+@operation
+def in_statements(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> Iteration:
+    """A generator, a `map` or a `filter` as a generator function's, where only the run knows what it goes through."""
+    before = ev.snapshot()
+    try:
+        for source in [ev.first_of(value)] if value.kind == "generator" else value.parts[1:]:
+            ev.cursor_of(source, node, f)
+        return value
+    except Unevaluated:
+        ev.restore(before)
+    made = as_comprehension(ev, value, node, f)
+    assert isinstance(made, Iteration)
+    comprehension, outer = made.more
+    inner = frame_inside(ev, outer, comprehension)
+    ev.heap.put(inner.reference, ITERATED, ev.first_of(made))
+    ev.frames.setdefault(inner.reference.number, inner)
+    loops = loops_of(ev, comprehension, "yielded", lambda: [tree.Expr(tree.Yield(comprehension.elt))])
+    text = tree.at(tree.FunctionDef("generator", None, [loops], [], None, None, []), node)
+    return Iteration("yields", (), (inner, ev.loops_of.setdefault((comprehension, "yields"), text)), value.once)
 
 
 @expression("GeneratorExp")

@@ -9,6 +9,8 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.sequences.cursors import TOGETHER
+from s2sad.evaluate.specialize.sequences.endless import ENDLESS, is_endless
 from s2sad.evaluate.specialize.sequences.gathering import Gathered
 from s2sad.evaluate.specialize.sequences.generators import LAZY
 from s2sad.evaluate.specialize.sequences.nested_ranges import NESTED
@@ -58,6 +60,9 @@ def items_of(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
 @operation
 def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
     """The same of what is marked as used."""
+    if is_endless(value):
+        raise ev.unknown(node, "an iterator that never ends, of which all items are asked for", help=(
+            "go through it beside what ends, as in zip(x, itertools.count()), or take some: itertools.islice(it, n)"))
     if ev.is_attribute_dictionary(value):
         value = ev.attributes_now(value, node)
     if isinstance(value, TupleValue):
@@ -92,7 +97,8 @@ def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
     if value.kind in ("keys", "values", "items"):
         return _views(ev, value.parts[0], value.kind)
     if value.kind == "reversed":
-        return _backwards(ev, value.parts[0], node, f)
+        items = _backwards(ev, value.parts[0], node, f)
+        return items if value.more is None else items[len(items) - value.more:] if value.more <= len(items) else []
     if value.kind in LAZY:
         gathered = Gathered(ev, f, node)
         ev.each_item(value, node, f, gathered.add)
@@ -103,6 +109,10 @@ def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
         raise ev.unknown(node, "how many items there are must be known before the run")
     if value.kind == "filter":
         return _filtered(ev, value, node, f)
+    if value.kind == "itertools.pairwise":
+        items = all_items(ev, value.parts[0], node, f)
+        return [TupleValue(pair) for pair in zip(items, items[1:])]
+    assert value.kind in TOGETHER
     gathered, cursor = Gathered(ev, f, node), ev.cursor_of(value, node, f)
     while (step := cursor.next()) is not None:
         gathered.add(step[0])
@@ -196,7 +206,7 @@ def _of_object(ev: Evaluator, value: Reference, node: AST, f: Frame) -> list[Val
 def stays_one(ev: Evaluator, value: Value) -> bool:
     """Whether a loop goes through numbers and arrays alone, so that it may stay a loop."""
     if isinstance(value, Iteration):
-        if value.kind in ("range", "part"):
+        if value.kind in ("range", "part", *ENDLESS):
             return True
         inner = value.parts[:1] if value.kind == "enumerate" else value.parts
         return value.kind in ("zip", "enumerate", "reversed") and all(stays_one(ev, p) for p in inner)

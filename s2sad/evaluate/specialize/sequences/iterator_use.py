@@ -16,7 +16,8 @@ from s2sad.evaluate.specialize.signals import Leave
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sequences.gathering import frame_inside, loops_of, own_loops
 from s2sad.evaluate.specialize.sequences.generators import ITEM, LAZY
-from s2sad.evaluate.specialize.values import NONE, Data, Iteration, Value, constant
+from s2sad.evaluate.specialize.sequences.endless import TAKEN
+from s2sad.evaluate.specialize.values import NONE, Data, Iteration, Reference, TupleValue, Value, alike, constant
 from s2sad.tree import AST
 
 STARTED, ITERATED, DEFAULT, TOTAL = ".started", ".iterated", ".default", ".total"
@@ -51,6 +52,49 @@ def used(ev: Evaluator, value: Value, node: AST) -> None:
         ev.heap.put(value.once, STARTED, constant(True))
     for part in value.parts:
         used(ev, part, node)
+
+
+@operation
+def next_endless(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> Value:
+    """The next item, which is taken."""
+    assert value.once is not None
+    held = ev.heap[value.once].items
+    started = held[STARTED]
+    if not (isinstance(started, Data) and started.known is False):
+        raise ev.refusal(node, "an iterator is asked that something has gone through", help="make another one")
+    found = ev.item_at(value, constant(0), node, f)
+    more = ev.binary(tree.Add(), held[TAKEN], constant(1), node, f)
+    ev.heap.put(value.once, TAKEN, ev.atoms(more, "taken", node))
+    return found
+
+
+@operation
+def is_iterator(ev: Evaluator, value: Value) -> bool:
+    """Whether a value is an iterator, whose items are computed when they are asked for."""
+    if isinstance(value, Reference):
+        return ev.heap[value].kind == "iterator"
+    return isinstance(value, Iteration) and value.once is not None and not is_read_in_place(ev, value)
+
+
+@operation
+def is_read_in_place(ev: Evaluator, value: Value) -> bool:
+    """Whether the items of what is gone through are there, and read as they are when their turn comes."""
+    if isinstance(value, Iteration):
+        plain = value.kind in ("zip", "enumerate", "reversed", "range", "keys", "values", "items")
+        return plain and all(isinstance(p, Data) or is_read_in_place(ev, p) for p in value.parts)
+    return isinstance(value, TupleValue) and value.made is None or isinstance(value, Reference) and ev.heap[
+        value].kind in ("list", "dict", "set")
+
+
+@operation
+def refuse_changed(ev: Evaluator, items: TupleValue, source: Value, node: AST) -> None:
+    """Refuses the items of a list that holds others by now: Python reads each when its turn comes."""
+    if not isinstance(source, Reference) or ev.heap[source].kind != "list":
+        return
+    found = [*ev.heap[source].items.values()]
+    if len(found) != len(items.items) or not all(map(alike, found, items.items)):
+        raise ev.refusal(node, "a list that changes while itertools.cycle goes through it",
+                         help="give it a copy: itertools.cycle(tuple(...))")
 
 
 @operation
