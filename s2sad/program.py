@@ -43,7 +43,8 @@ class Kernel:
     `parameters` in order; `defaults` by name (Python values); `annotations` by name (their text); `own` is the
     derivative that the user gave it, `residual` the kernel that it makes zero, if it is an implicit function;
     `results` says how many of its last parameters take what the user's function returns; `nested` says which derivative
-    of the one kernel that it calls it stands for. Of an entry, `floats` are the
+    of the one kernel that it calls it stands for; `unsure` are the names that may be read before they are bound, where
+    that is known. Of an entry, `floats` are the
     parameters that may be floats by its text, `independents` those that a gradient is with respect to by default.
     """
     name: str
@@ -58,6 +59,7 @@ class Kernel:
     floats: tuple[str, ...] = ()
     independents: tuple[str, ...] = ()
     nested: NestedDerivative | None = None
+    unsure: frozenset[str] | None = None
 
 
 @dataclass(frozen=True)

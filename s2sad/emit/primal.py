@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from s2sad.emit.bind_before_loops import bind_before_loops
 from s2sad.rules import find_array
 from s2sad.tree import (
-    AST, AugAssign, Call, Expr, For, FunctionDef, GeneratorExp, ListComp, Subscript, call_name, copy, function,
-    user_call, walk,
+    AST, AugAssign, Call, Expr, For, FunctionDef, GeneratorExp, ListComp, Raise, Subscript, call_name, copy, function,
+    user_call, walk, walk_statements,
 )
 from s2sad.units import Unit, Units
 
@@ -55,4 +55,10 @@ def _is_plain(unit: Unit) -> bool:
     called = [call_name(n) or "" for n in walk(tree.body) if isinstance(n, Call)]
     calls = any(c.startswith("user.") or find_array(c) is not None for c in called)     # Numba reduces no numbers
     loops = (Subscript, For, AugAssign, GeneratorExp, ListComp)
-    return simple and not calls and not any(isinstance(n, loops) for n in walk(tree.body))
+    return simple and not calls and not any(isinstance(n, loops) for n in walk(tree.body)) and _raises(
+        unit.lowered) == _raises(tree)
+
+
+def _raises(tree: FunctionDef) -> int:
+    """How often a function raises: once more where a name may be read before it is bound."""
+    return sum(isinstance(n, Raise) for n in walk_statements(tree.body))

@@ -26,6 +26,7 @@ from s2sad.normalize.check_known import check_known
 from s2sad.normalize.context import NormalContext
 from s2sad.normalize.control.conditional_values import conditional_values
 from s2sad.normalize.control.counted_loops import counted_loops
+from s2sad.normalize.control.definite_assignment import definite_assignment
 from s2sad.normalize.control.peel_first_iteration import peel_shared_array
 from s2sad.normalize.control.single_exit import single_exit
 from s2sad.normalize.control.single_target import single_target
@@ -85,6 +86,7 @@ STRUCTURE: Passes = (
     Pass(stack_growth),
     Pass(growing),
     Pass(single_target),
+    Pass(definite_assignment),
     Pass(single_exit),
     Pass(counted_loops),
 )

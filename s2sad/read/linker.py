@@ -240,7 +240,7 @@ def _kernel(name: str, found: _LinkedKernel, names: dict[str, str], identify: Ca
     source, annotations = found.captured.source, annotations_said(found.captured)
     residual = names[identify(found.residual)].partition(".")[2] if found.residual is not None else ""
     return Kernel(name, definition, source, found.resolved.parameters, found.defaults, annotations, found.own, residual,
-                  nested=found.nested)
+                  nested=found.nested, unsure=found.captured.unsure)
 
 
 def annotations_said(captured: Captured) -> dict[str, str]:

@@ -143,13 +143,15 @@ Meaning = (Library | Number | Numbers | Array | Record | Matrix | StringValue | 
 @dataclass(frozen=True)
 class Captured:
     """A function's definition with its surroundings; `default` gives the values of defaults, `renamed` what the user
-    calls variables of inner scopes that were given names of their own."""
+    calls variables of inner scopes that were given names of their own, `unsure` the names that may be read before they
+    are bound, if that is known."""
     name: str
     tree: FunctionDef
     source: Source
     scope: Surroundings
     default: Callable[[str, AST], Any]
     renamed: Mapping[str, str] = field(default_factory=dict, compare=False)
+    unsure: frozenset[str] | None = field(default=None, compare=False)
 
 
 class NotConstant(Exception):

@@ -7,6 +7,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from s2sad.diagnostics import S2sadError
 from tests.normalize.structured_form import run_both, shown
 
 HELPERS = '''
@@ -135,12 +136,16 @@ class Writer:
 
 
 @st.composite
-def programs(draw):
+def programs(draw, unbound=0):
     writer = Writer(lambda below: draw(st.integers(0, below - 1)))
     writer.put(0, "def f(x, spent, a, b):")
-    writer.put(1, "c, i, j = 1, 2, 3")
+    for name, value in (("c", 1), ("i", 2), ("j", 3))[draw(st.integers(0, unbound)):]:
+        writer.put(1, f"{name} = {value}")
     for _ in range(3):
         writer.block(1, 0)
+    if unbound:
+        writer.put(1, "if spent[0] > 1000:")       # all are the function's own
+        writer.put(2, "c, i, j = a, a, a")
     writer.put(1, "return a + 7 * b + 31 * c + 101 * i + 1001 * j")
     return HELPERS + "\n".join(writer.lines) + "\n"
 
@@ -150,4 +155,16 @@ def programs(draw):
 def test_generated_programs(text):
     for a in (-1, 0, 4):
         original, ours = run_both(text, np.array([3, a, 5]), np.array([0]), a, 2)
+        assert ours == original, text + "\n# becomes\n" + shown(text)
+
+
+@settings(max_examples=int(os.environ.get("S2SAD_STRUCTURED_EXAMPLES", "150")))
+@given(programs(unbound=3))
+def test_names_that_some_ways_do_not_bind(text):
+    for a in (-1, 0, 4):
+        try:
+            original, ours = run_both(text, np.array([3, a, 5]), np.array([0]), a, 2)
+        except S2sadError as refused:       # some ways never bind it
+            assert "before it is bound" in str(refused) or "bound on some ways only" in str(refused), text
+            return
         assert ours == original, text + "\n# becomes\n" + shown(text)

@@ -26,7 +26,7 @@ def name_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
     while frame is not None:
         items = ev.heap[frame.reference].items
         if node.id in items:
-            return bound(items[node.id])
+            return _read(ev, items[node.id])
         if node.id in frame.local and frame is f:
             error = ev.refusal(node, f"'{node.id}' is read before it is bound", help="bind it on every way")
             inside = any(not isinstance(loop, tuple) for loop in ev.loops[f.loops:])
@@ -35,11 +35,14 @@ def name_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
     return ev.outside_name(node.id, node, f)
 
 
-def bound(value: Value) -> Value:
+def _read(ev: Evaluator, value: Value) -> Value:
     """What is read of a name: it is bound from here on, or the program has ended."""
     if isinstance(value, TupleValue):
-        return replace(value, items=tuple(map(bound, value.items)))
-    return replace(value, may_be_unbound=False) if isinstance(value, Data) and value.may_be_unbound else value
+        return replace(value, items=tuple(_read(ev, v) for v in value.items))
+    if isinstance(value, Data) and value.may_be_unbound:
+        ev.unsure.add(value.name)
+        return replace(value, may_be_unbound=False)
+    return value
 
 
 @expression("Tuple")

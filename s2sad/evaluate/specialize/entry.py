@@ -174,7 +174,7 @@ def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[
     result = result_structure_of(ev)
     function_tree = tree.at(tree.function(definition.name, list(names), body), definition)
     scope = ResidualScope(ev.outside, captured.scope)
-    made = Captured(captured.name, function_tree, ev.source, scope, _no_default)
+    made = Captured(captured.name, function_tree, ev.source, scope, _no_default, unsure=frozenset(ev.unsure))
     changed, replaced = changes_of(ev)
     unrolled = tuple((SourcePlace.of(ev.source, s), rounds) for s, rounds in ev.unrolled_loops.items())
     return Residual(made, names, frozenset(c.parameter for c in ev.cells), result, changed,

@@ -119,6 +119,7 @@ class Evaluator(Operations):
         self.wanted: dict[AST, tuple[str, AST]] = {}        # what gets a name, that name and the statement
         self.called = self.label = ""                       # the function that is called; what a new object is for
         self.in_lists: set[int] = set()                           # objects in lists of the residual program
+        self.unsure: set[str] = set()       # names of the residual program that may be read before they are bound
         self.limited: list[AST] = []                            # where deques with a length are made
         self.row_forms: dict[int, Any] = {}                     # by their site what is in such lists
         self.touched: set[int] = set()                          # objects that are changed

@@ -1,6 +1,7 @@
 """Every `for` counts: `for name in range(...)`, the name bound nowhere else and not read after the loop.
 
     def f(u: float64[:], v: float64[:], n: int64):      def f(u, v, n):
+        i = 0                                               i = 0
         for i in range(n):                                  stop = n
             n = n - 1                                       for i_index in range(stop):
             u[i] = v[n]                                         i = i_index

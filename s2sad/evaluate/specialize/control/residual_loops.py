@@ -152,7 +152,8 @@ def _extend(ev: Evaluator, loop: ResidualLoop, missing: Unbound | NewGoal) -> No
     if isinstance(missing, Unbound):
         if (missing.frame, missing.name) in loop.homes:
             raise missing.error from None
-        loop.homes[missing.frame, missing.name] = ev.fresh(missing.name)
+        home = loop.homes[missing.frame, missing.name] = ev.fresh(missing.name)
+        ev.unsure.add(home)
     elif missing.loop is not loop:
         raise missing
     else:
@@ -227,6 +228,22 @@ def _bound_inside(ev: Evaluator, ends: Sequence[Objects]) -> None:
                         for end in ends if n in end)}
         for key, value in more.items():
             ev.heap.put(Reference(n), key, plainly_named(value))
+            ev.unsure |= _names_in(ev, value)
+
+
+def _names_in(ev: Evaluator, value: Value) -> set[str]:
+    """The names of what a value is, and of what lies in it."""
+    found, left, seen = set[str](), [value], set[int]()
+    while left:
+        one = left.pop()
+        if isinstance(one, Data):
+            found |= {one.name} if one.name else set()
+        elif not isinstance(one, Reference):
+            left += parts(one)
+        elif one.number not in seen:
+            seen.add(one.number)
+            left += ev.heap[one].items.values()
+    return found
 
 
 def _known_on_exits(value: Value, ends: Sequence[Value]) -> Value:

@@ -27,7 +27,8 @@ class SeparateFunction:
 
     def captured(self) -> Captured:
         scope = ResidualScope(self.ev.outside, self.called.captured.scope)
-        return Captured(self.tree.name, self.tree, self.ev.source, scope, _no_default)
+        return Captured(self.tree.name, self.tree, self.ev.source, scope, _no_default,
+                        unsure=frozenset(self.ev.unsure))
 
 
 def _no_default(parameter: str, node: AST) -> Any:
