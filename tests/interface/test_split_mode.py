@@ -19,8 +19,8 @@ from tests.interface.split_kernels import CASES, divides, early, made, nested, r
 ENGINES = ("numpy", "numba")
 CORPUS = {name: case for name, case in corpus.cases() if not case.refused}
 SAMPLED = [pytest.param(CORPUS[name], id=name) for name in dict.fromkeys((
-    *(name for name in CORPUS if not crc32(name.encode()) % 40), "library.fft.split_step", "library.indexing_and_sorting.ufuncs",
-    "calls.array_results.tuples-2",
+    *(name for name in CORPUS if not crc32(name.encode()) % 40),
+    "library.fft.split_step", "library.indexing_and_sorting.ufuncs", "calls.array_results.tuples-2",
     # primals that copy what is not there: None was carried
     "structures.choices.read_where_it_is_replaced", "structures.carried_choices.one_in_another-2",
     "structures.carried_choices.one_in_an_object", "structures.carried_choices.not_asked_whether_it_is_there"))]
