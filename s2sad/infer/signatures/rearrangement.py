@@ -170,6 +170,8 @@ def _arange(args: list[Type], options: Arguments) -> Type:
 
 def _cast(args: list[Type], options: Arguments) -> Type:
     dtype = astype_dtype(options)
+    if args[0].is_number and args[0].dtype in RANKS and dtype in ("float64", "float32", "complex128", "int64"):
+        return Type("number", dtype)
     return array(dtype, args[0].rank) if args[0].is_array and args[0].dtype in RANKS and dtype else UNKNOWN
 
 

@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import inspect
 from functools import cache
+from typing import Any
 
 from s2sad.evaluate.effects import fresh_value
 from s2sad.evaluate.scope import KernelScope
 from s2sad.read.outside_values import library_value
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, BinOp, Call, Constant, FloorDiv, For, FunctionDef, GeneratorExp, Load, Mod, Name,
-    Slice, Subscript, Tuple, assign, at, call, call_name, const, copy, dump, index, indices, keyword, names, rebuild,
-    tuple_of, user_call, walk,
+    Slice, Subscript, Tuple, assign, at, attribute, call, call_name, const, copy, dump, index, indices, keyword, names,
+    rebuild, tuple_of, user_call, walk,
 )
 
 # functions whose own signature is not there, or says less than how they are called
@@ -33,7 +34,7 @@ def positional_arguments(function: FunctionDef, scope: KernelScope) -> FunctionD
         if call_name(node) == "builtins.divmod" and (len(node.args) != 2 or any(user_call(n) for n in walk(node))):
             scope.refuse(node, "divmod of what a call of a kernel gives", help="write a // b and a % b")
         if isinstance(node, Assign) and _flat_store(node) is not None and not fresh_value(node.value):
-            array = node.targets[0].value.value
+            array = _flat_target(node).value.value
             if scope.memory.affected(node.value, scope.memory.written([assign(index(array, const(0)), const(0))])):
                 scope.refuse(node, "a store by number of what may share memory with the array",
                              help=f"np.put({array.id}, k, values) copies the values before")
@@ -134,22 +135,30 @@ def _is_flat(node: AST) -> bool:
     return isinstance(node, Attribute) and node.attr == "flat" and isinstance(node.value, Name)
 
 
-def _flat_store(node: Assign) -> AST | None:
-    """A store at one index of `x.flat` as `np.put`, which counts elements alike."""
+def _flat_target(node: Assign) -> Any:
+    """What is assigned to, `x.flat` as all its elements."""
     target = node.targets[0]
+    return at(index(target, Slice(None, None, None)), target) if _is_flat(target) else target
+
+
+def _flat_store(node: Assign) -> AST | None:
+    """A store into `x.flat` as `np.put`, which counts elements alike, and begins the values again where they end."""
+    target = _flat_target(node)
     if len(node.targets) > 1 or not isinstance(target, Subscript) or not _is_flat(target.value):
         return None
-    if isinstance(target.slice, (Slice, Tuple, Constant)) and type(getattr(target.slice, "value", None)) is not int:
+    if isinstance(target.slice, (Tuple, Constant)) and type(getattr(target.slice, "value", None)) is not int:
         return None
-    array = target.value.value
-    stored = call("numpy.put", copy(array), target.slice, node.value)
+    array, places = target.value.value, target.slice
+    if isinstance(places, Slice):
+        places = at(index(call("numpy.arange", attribute(copy(array), "size")), places), target)
+    stored = call("numpy.put", copy(array), places, node.value)
     return at(Assign([index(array, const(...))], at(stored, node), None), node)
 
 
 def _flat_change(node: AugAssign) -> AST | None:
     """`x.flat[k] *= v` as a store: what is read is a number."""
     target = node.target
-    if not isinstance(target, Subscript) or not _is_flat(target.value) or isinstance(target.slice, Slice) or any(
+    if not isinstance(target, Subscript) or not _is_flat(target.value) or any(
             isinstance(n, Call) for n in walk(target.slice)):
         return None
     read = at(index(copy(target.value), copy(target.slice)), target)

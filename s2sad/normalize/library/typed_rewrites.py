@@ -74,6 +74,12 @@ def typed_rewrites(function: FunctionDef, context: NormalContext) -> FunctionDef
             return rebuild(node.args[0], change)    # which it is, and `view_aliases` is to see
         if call_name(node) in ARRAYS and (kind := typing.of(node)).is_number:
             return at(call(_CASTS[kind.dtype], rebuild(node.args[0], change)), node)
+        if call_name(node) == "numpy.astype" and (kind := typing.of(node)).is_number and (
+                kind.is_complex or not typing.of(node.args[0]).is_complex):
+            inner = rebuild(node.args[0], change)
+            if typing.of(node.args[0]) == kind or kind.is_complex:
+                return inner if typing.of(node.args[0]) == kind else at(BinOp(inner, Add(), const(0j)), node)
+            return at(call(_CASTS[kind.dtype], inner), node)
         if (dtype := CASTS.get(call_name(node) or "")) and isinstance(node, Call) and len(node.args) == 1 and (
                 kind := typing.of(node.args[0])).is_array and kind.dtype == dtype:
             return at(call("numpy.asarray", rebuild(node.args[0], change)), node)

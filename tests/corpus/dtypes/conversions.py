@@ -90,9 +90,18 @@ def converted_operand(x, y):
     return np.float64(x) * y
 
 
+def numbers_as_methods(x, y):
+    s = x.sum().astype(float).item() ** 2
+    for i in range(x.shape[0]):
+        v = np.sin(x[i]).astype(np.float64)
+        s += v * y[i].astype(complex).real + np.abs(y[i].astype("complex128") * (1.0 + 2.0j))
+    return s * x[(x[0] * 3.0).astype(int) % 2] * y.mean().astype(x.dtype)
+
+
 def cases():
     single = np.float32(X)
     yield Case(the_same_array, (X,), "x")
+    yield Case(numbers_as_methods, (X, X + 1.0), ("x", "y"))
     for kernel in (converted_in_expressions, converted_operand):
         yield Case(kernel, (X, X), ("x", "y"))
         yield Case(kernel, (single, X), "x")
