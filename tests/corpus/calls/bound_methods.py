@@ -83,7 +83,35 @@ def values():
     return np.array([0.3, 0.6, 0.9])
 
 
+class Scaled:
+    def __init__(self, a):
+        self.a = a
+
+    def scaled(self, k, v, off=0.0):
+        return self.a * k * v + off
+
+    double = functools.partialmethod(scaled, 2.0)
+    triple = functools.partialmethod(scaled, 3.0, off=1.0)
+
+
+def partial_methods(u):
+    class Other(Scaled):
+        def scaled(self, k, v, off=0.0):
+            return self.a
+
+        fourfold = functools.partialmethod(Scaled.scaled, k=4.0)
+    one, other = Scaled(u[0]), Other(u[1])
+    return one.double(u[2]) * other.triple(u[3]) + other.fourfold(v=u[1]) ** 2 + other.double(u[0])
+
+
+def partial_method_of_a_class(u):
+    return Scaled.double(Scaled(u[0]), u[1])
+
+
 def cases():
+    yield Case(partial_methods, (np.array([0.7, 1.3, 0.4, 0.9]),), ("u",))
+    yield Case(partial_method_of_a_class, (values(),), refused="S201 at `Scaled.double`: a partialmethod that is no "
+               "object's, or of what is no function of the class: write it as a method that calls the other one")
     yield Case(MODEL.run, (values(),), ("u",), ("u", "return"))
     yield Case(MODEL, (values(), np.zeros(3)), ("u",), ("out",))
     yield Case(python_function(functools.partial(scaled, c=2.0, power=3)), (values(),), ("u",))

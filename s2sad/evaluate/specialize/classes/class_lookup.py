@@ -102,6 +102,11 @@ def _descriptor(ev: Evaluator, owner: ClassValue, name: str, found: Any, node: A
             return LibraryValue(path, tuple(ev.live_function(p, node, f, owner) for p in parts))
     if type(found).__name__ == "cached_property":
         return LibraryValue("functools.cached_property", (ev.live_function(found.func, node, f, owner),))
+    if type(found).__name__ == "partialmethod" and isinstance(found.func, types.FunctionType):
+        given = (ev.outside_value(f"{owner.name}_{name}_{k}", a, node, f) for k, a in enumerate(found.args))
+        named = ((k, ev.outside_value(f"{owner.name}_{name}_{k}", v, node, f)) for k, v in found.keywords.items())
+        inner = ev.live_function(found.func, node, f, owner)
+        return LibraryValue("functools.partialmethod", (inner, *given), (*named,))
     return ev.live_function(found, node, f, owner) if isinstance(found, types.FunctionType) else None
 
 
@@ -135,13 +140,21 @@ def bound(ev: Evaluator, value: Value, instance: Value | None, made: ClassValue 
     if isinstance(value, FunctionValue) and instance is not None:
         return dataclasses.replace(value, first=(instance, *value.first))
     if isinstance(value, LibraryValue) and value.first and value.path in (
-            "builtins.property", "functools.cached_property", "builtins.staticmethod", "builtins.classmethod"):
+            "builtins.property", "functools.cached_property", "functools.partialmethod", "builtins.staticmethod",
+            "builtins.classmethod"):
         if value.path == "builtins.staticmethod":
             return value.first[0]
         if value.path == "builtins.classmethod":
             inner = value.first[0]
             assert isinstance(inner, FunctionValue) and made is not None
             return dataclasses.replace(inner, first=(made, *inner.first))
+        if value.path == "functools.partialmethod":
+            inner, *given = value.first
+            if instance is None or not isinstance(inner, FunctionValue):
+                raise ev.refusal(node, "a partialmethod that is no object's, or of what is no function of the class",
+                                 help="write it as a method that calls the other one")
+            return dataclasses.replace(inner, first=(instance, *inner.first, *given), keywords=tuple(
+                {**dict(inner.keywords), **dict(value.keywords)}.items()))
         if instance is not None:
             return ev.call(value.first[0], [instance], {}, node, f)
     if isinstance(value, ObjectValue) and hasattr(type(value.value), "__get__"):

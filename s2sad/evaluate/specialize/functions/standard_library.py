@@ -47,6 +47,12 @@ def _partial(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -
     raise ev.refusal(node, f"a partial of {ev.kind_of(inner)}")
 
 
+@function("functools.partialmethod")
+def _partialmethod(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    return LibraryValue("functools.partialmethod", tuple(ev.atoms(a, "given", node) for a in args), tuple(
+        (k, ev.atoms(v, k, node)) for k, v in options.items()))
+
+
 @function("functools.cached")
 def _cached(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
     """What a function behind a cache gives, called as any other: a number of numbers, and it does nothing else."""
