@@ -48,6 +48,12 @@ def apply_along_axis(func1d, axis, arr):
     return np.array([func1d(row) for row in arr])
 
 
+def tolist(a):
+    if np.ndim(a) == 0:
+        return a
+    return list(a) if a.ndim == 1 else [tolist(row) for row in a]
+
+
 def linspace(start, stop, num=50, endpoint=True):
     first = np.asarray(start)
     return first + np.multiply.outer(np.linspace(0.0, 1.0, num, endpoint=endpoint), np.asarray(stop) - first)
@@ -311,7 +317,7 @@ WRITTEN: dict[str, Callable[..., Any]] = dict((
     *_by_path("itertools.chain", from_iterable), *_by_path("cmath", polar, rect),
     *((f"cmath.{name}", of_complex(getattr(np, _OF_NUMPY.get(name, name)))) for name in _OF_COMPLEX),
     *_by_path("numpy", piecewise, fromfunction, apply_along_axis, vectorized, rollaxis, broadcast_arrays, unwrap,
-              polyadd, polysub, poly1d),
+              tolist, polyadd, polysub, poly1d),
     *_by_path("numpy.polynomial", Polynomial),
     *_by_path("numpy.polynomial.polynomial", Polynomial), *_by_path("numpy.polynomial.chebyshev", chebval),
     *_by_path("numpy.polynomial.legendre", legval), *_by_path("numpy.polynomial.hermite", hermval),

@@ -71,8 +71,8 @@ def _is_written(node: Call) -> bool:
         return len(given) > 2
     if path in ("numpy.linspace", "numpy.expand_dims"):
         return any(isinstance(a, (List, Subscript, Tuple)) for a in given[:2])
-    return path in WRITTEN or path == "numpy.unravel_index" or path.startswith("numpy.polynomial.") and (
-        path.endswith("gauss"))
+    return path in WRITTEN or called in WRITTEN or path == "numpy.unravel_index" or (
+        path.startswith("numpy.polynomial.") and path.endswith("gauss"))
 
 
 def _is_known(option: AST) -> bool:

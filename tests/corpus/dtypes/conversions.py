@@ -98,9 +98,30 @@ def numbers_as_methods(x, y):
     return s * x[(x[0] * 3.0).astype(int) % 2] * y.mean().astype(x.dtype)
 
 
+def lists_of_numbers(x, a):
+    xs, rows = x.tolist(), a.tolist()
+    xs.append(x[0] * 2.0)
+    x[0] = 5.0                      # the list holds what was there
+    rows[0][1] = xs[1] * xs[2]
+    s = sum(xs) * x[1].tolist() * x.sum().tolist()
+    for k, row in enumerate(rows):
+        for v in row:
+            s += k * v * v + v
+    for v in (x * x).tolist():
+        s += v ** 2
+    return s
+
+
+def lists_of_rows(x):
+    return sum(v * v for row in np.outer(x, x).tolist() for v in row)
+
+
 def cases():
     single = np.float32(X)
     yield Case(the_same_array, (X,), "x")
+    yield Case(lists_of_numbers, (X, A), ("x", "a"), ("x", "return"))
+    yield Case(lists_of_rows, (X,), refused="S201 at `np.outer(x, x).tolist()`: how many items there are must be known "
+               "before the run")
     yield Case(numbers_as_methods, (X, X + 1.0), ("x", "y"))
     for kernel in (converted_in_expressions, converted_operand):
         yield Case(kernel, (X, X), ("x", "y"))

@@ -17,6 +17,7 @@ ROWS = {
         np.copy(x) * x.copy()
         np.asarray(x) * x
         x.astype(np.float32).astype(np.float64)
+        x.sum().astype(float) * sum(x.tolist())
         m @ np.eye(4)
         m @ np.identity(4) @ np.eye(4, k=1)
         np.tri(4) * x
