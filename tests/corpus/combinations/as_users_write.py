@@ -196,9 +196,16 @@ def flat_store(x):
     return y[0, 0] * y[1, 1]
 
 
+def flat_store_at_an_ellipsis(x):
+    y = np.zeros((2, 2))
+    y.flat[...] = x
+    return y[0, 0] * y[1, 1]
+
+
 def cases():
+    yield Case(flat_store, (np.arange(1.0, 5.0),), "x")
     # attribute of an array is refused
-    yield Case(flat_store, (np.ones(4),), refused=(
+    yield Case(flat_store_at_an_ellipsis, (np.ones(4),), refused=(
         "S201 at `y.flat`: the attribute 'flat' of an array: write it with the array itself: x[i, j], "
         "x[...], x.shape, x.size"))
     # kernel
