@@ -7,7 +7,9 @@
 """
 from __future__ import annotations
 
-from s2sad.tree import AST, Assert, Constant, Eq, Gt, GtE, Lt, attribute, compare, const, copy
+from s2sad.tree import (
+    AST, And, Assert, BoolOp, Constant, Eq, Gt, GtE, Lt, attribute, compare, const, copy,
+)
 
 INSIDE = "a slice reaches out of its array, where NumPy takes less: bound it by max(..., 0) or min(..., n)"
 EQUAL = "shapes differ: a length of 1 repeats only where it is written, as in x[:, None] or x[:1], or an argument's"
@@ -24,6 +26,7 @@ FORWARDS = "the step of a slice is not positive, where it is not a written numbe
 EXCHANGED = "names swap arrays of different sizes in a branch: swap what arrays of one size hold"
 LEFT = "a size of np.reshape is negative: write -1 where it stands, or bind it to a name of its own: n = -1"
 ELEMENTS = "an array is reshaped to another number of elements: give np.reshape sizes that multiply to its own"
+EMPTY = "there is no maximum or minimum of no elements: ask whether there are any before"
 SPARSE = "a sparse matrix and what it meets differ in size"
 
 
@@ -76,3 +79,9 @@ def nonnegative(size: AST) -> Assert:
 def written(size: AST) -> Assert:
     """The guard that a size of a reshape is one, not -1 for what is left."""
     return Assert(compare(copy(size), GtE(), const(0)), const(LEFT))
+
+
+def has_elements(sizes: list[AST]) -> Assert:
+    """The guard that axes of these sizes have elements."""
+    tests = [*(compare(copy(s), Gt(), const(0)) for s in sizes)]
+    return Assert(tests[0] if len(tests) == 1 else BoolOp(And(), tests), const(EMPTY))

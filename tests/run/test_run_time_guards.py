@@ -215,6 +215,37 @@ def test_a_starred_argument_of_another_length(engine):
                 s2sad.gradient(f)(V, n)
 
 
+def largest(x, n):
+    return np.max(x[:n]) * 2.0
+
+
+def least(x, n):
+    w = x[:n] * x[0]
+    return np.min(w)
+
+
+def largest_of_rows(x, n):
+    return np.sum(np.max(np.outer(x, x[:n]), axis=1))
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
+@pytest.mark.parametrize("kernel", [largest, least, largest_of_rows])
+def test_there_is_no_extreme_of_nothing(kernel, engine):
+    with running(engine) as name:
+        f = s2sad.differentiate(kernel, engine=name)
+        for n in (2, 0, 1, 0):
+            if n:
+                assert s2sad.value_and_gradient(f, "x")(V, n)[0] == pytest.approx(kernel(V, n))
+                continue
+            with pytest.raises(ValueError):
+                kernel(V, n)
+            found = failing(s2sad.gradient(f, "x"), V, n)
+            assert found.code == "S501"
+            if engine != "numpy":
+                assert (found.message, found.help) == (
+                    "there is no maximum or minimum of no elements", "ask whether there are any before")
+
+
 def test_singular_matrices_stay_numpys_own_error():
     with pytest.raises(np.linalg.LinAlgError):
         s2sad.gradient(s2sad.differentiate(singular, engine="numpy"), "u")(U, V)

@@ -24,9 +24,10 @@ from s2sad.infer.signatures.laws import ONE, axes_of, is_true
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.types import INT, Type
 from s2sad.normalize.loops.element_of import Elements
+from s2sad.normalize.shape_guards import has_elements
 from s2sad.tree import (
-    AST, Add, Assign, AugAssign, BinOp, BoolOp, Call, Div, Gt, If, Lt, Mult, Name, NotEq, Or, Subscript, add, assign,
-    augment, call, call_name, compare, const, copy, counted_for, index, name, names,
+    AST, Add, Assign, AugAssign, BinOp, BoolOp, Call, Div, Gt, If, Lt, Mult, Name, NotEq, Or, Slice, Subscript, add,
+    assign, augment, call, call_name, compare, const, copy, counted_for, index, name, names, walk,
 )
 
 _SUMS = {"numpy.sum", "numpy.mean"}
@@ -196,7 +197,16 @@ class Reductions:
         taken = If(better, [assign(found[k], name(counters[k])) for k in axes], [])
         search = _nest([counters[k] for k in axes], [sizes[k] for k in axes], [taken])
         body = [*(assign(found[k], const(0)) for k in axes), search, assign(cell, copy(best))]
-        return [_nest([counters[k] for k in kept], [sizes[k] for k in kept], body)] if kept else body
+        guards = [has_elements([sizes[k] for k in axes])] if self._may_be_empty(operand, axes) else []
+        return [*guards, *([_nest([counters[k] for k in kept], [sizes[k] for k in kept], body)] if kept else body)]
+
+    def _may_be_empty(self, operand: AST, axes: tuple[int, ...]) -> bool:
+        """Whether the first element of an operand may be none although its array has it: what is outside of an array
+        is known from its sizes (`analyze/index_bounds.py`), where these are affine."""
+        found = self.shapes.of(operand)
+        sizes = [self.shapes.expression(d) for k in axes if (d := found[k]) is not None]
+        return any(isinstance(n, Slice) for n in walk(operand)) or any(
+            isinstance(n, Call) for size in sizes for n in walk(size))
 
 
 def _zero(number: Type) -> AST:
