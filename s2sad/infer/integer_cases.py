@@ -38,7 +38,8 @@ def cases_of(function: str, given: Sequence[Affine], value: Affine) -> list[Case
         left = first.plus(value, -second.constant)
         return [(None, [left, at_most(left.shift(1), second)])]
     if function == "runtime.element":
-        return [(first, [first]), (first.plus(second), [below])]
+        return [(first, [first, at_most(first.shift(1), second)]),
+                (first.plus(second), [below, first.plus(second)])]
     if function in ("runtime.position", "runtime.position_down"):
         least = _ZERO if function == "runtime.position" else _LAST
         most = second if function == "runtime.position" else second.shift(-1)

@@ -3,11 +3,14 @@ from __future__ import annotations
 
 
 def element(place, size):
-    """Where an element lies on an axis of this size: from the end if the place is negative.
+    """Where an element lies on an axis of this size: from the end if the place is negative. Raises IndexError where
+    the axis has none there, for the array that it is a part of may have one.
 
     >>> element(2, 5), element(-1, 5)
     (2, 4)
     """
+    if place < -size or place >= size:
+        raise IndexError("index is out of bounds")
     return place + size if place < 0 else place
 
 

@@ -215,6 +215,45 @@ def test_a_starred_argument_of_another_length(engine):
                 s2sad.gradient(f)(V, n)
 
 
+def of_a_part(x, n):
+    return x[1:3][n] * x[0]
+
+
+def of_every_other(x, n):
+    return x[::2][n]
+
+
+def written_part(x, n):
+    y = x[:2]
+    y[n] += 1.0
+    return np.sum(x) * y[0]
+
+
+def of_a_row(x, n):
+    return np.outer(x, x)[1][:2][n]
+
+
+def in_a_loop(x, n):
+    y, total = x[1:3], 0.0
+    for k in (0, n):
+        total += y[k] * x[k]
+    return total
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
+@pytest.mark.parametrize("kernel", [of_a_part, of_every_other, written_part, of_a_row, in_a_loop])
+def test_an_index_out_of_a_part_is_none_into_its_array(kernel, engine):
+    with running(engine) as name:
+        f = s2sad.differentiate(kernel, engine=name)
+        for n in (0, 1, -1, -2, 2, 3, 1, -3, 40, -40, 0):       # what has been right once is asked for again
+            if -3 < n < 2:
+                assert s2sad.value_and_gradient(f, "x")(V.copy(), n)[0] == pytest.approx(kernel(V.copy(), n))
+                continue
+            for call in (kernel, s2sad.gradient(f, "x"), lambda x, n: s2sad.jvp(f, (x, n), {"x": V})):
+                with pytest.raises(IndexError):
+                    call(V.copy(), n)
+
+
 def largest(x, n):
     return np.max(x[:n]) * 2.0
 
