@@ -1,8 +1,8 @@
 """compiled: the Numba engine: every function of a generated module becomes a compiled one, in the module's namespace.
 
-`error_model="numpy"` everywhere, fastmath nowhere, primal and derivatives with the same flags. What machine code
-depends on beside the module's text (the runtime's text, flags, versions) is part of the module's name, under which it
-is kept on disk.
+NumPy's error model for floats everywhere (`error_model`), fastmath nowhere, primal and derivatives with the same flags.
+What machine code depends on beside the module's text (the runtime's text, flags, versions) is part of the module's
+name, under which it is kept on disk.
 """
 from __future__ import annotations
 
@@ -190,12 +190,29 @@ def _jit(function: FunctionType, bounds: bool, on_disk: bool, fastmath: bool | s
     if _is_interpreted(function):
         return interpreted(function)
     numba = importlib.import_module("numba")
-    flags = {"error_model": "numpy", "boundscheck": bounds, "nogil": True, "fastmath": fastmath,
+    flags = {"error_model": error_model(), "boundscheck": bounds, "nogil": True, "fastmath": fastmath,
              "forceinline": inline, **options()[internal]}
     dispatcher = numba.njit(**flags)(function)
     if internal:
         return without_integer_literals(dispatcher)
     return stored(dispatcher, function.__module__) if on_disk else dispatcher
+
+
+@cache
+def error_model() -> str:
+    """Numba's name for what divisions by zero give: of floats what NumPy gives; of integers they raise, as Python's do
+    (Numba's own for NumPy gives 0, without a word)."""
+    models = importlib.import_module("numba.core.callconv")
+
+    class WholeNumbersRaise(models.NumpyErrorModel):
+        def fp_zero_division(self, builder: Any, exc_args: Any = None, loc: Any = None) -> bool:
+            if not exc_args or not str(exc_args[0]).startswith("integer"):
+                return False
+            self.call_conv.return_user_exc(builder, ZeroDivisionError, exc_args, loc)
+            return True
+
+    models.error_models["s2sad"] = WholeNumbersRaise
+    return "s2sad"
 
 
 def _is_interpreted(value: Any) -> bool:

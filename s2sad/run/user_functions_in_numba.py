@@ -16,6 +16,7 @@ from s2sad.program import Program
 from s2sad.read.linker import header_of
 from s2sad.live_objects.registry import GIVEN, ROOM, RegisteredRule
 from s2sad.rules import constant_result
+from s2sad.run.compiled import error_model
 from s2sad.run.special_functions import register, used
 from s2sad.run.through_python import through_python
 from s2sad.tree import Call, call_name, walk
@@ -147,7 +148,7 @@ def _uncompiled(unit: Unit) -> str | None:
 
 def _compilation(rule: RegisteredRule, types: list[Any]) -> tuple[bool, Any]:
     """Whether Numba fails to compile a function for these types, and the type of what it returns."""
-    function = for_numba(rule.function, {"error_model": "numpy"})
+    function = for_numba(rule.function, {"error_model": error_model()})
     try:
         if not hasattr(function, "compile"):
             return False, None
@@ -160,7 +161,7 @@ def _compilation(rule: RegisteredRule, types: list[Any]) -> tuple[bool, Any]:
 def _compiles(rule: RegisteredRule, types: tuple[Type, ...] | None) -> bool:
     """Whether Numba compiles a call with arguments of these types; None: as many floats as a Python function takes."""
     numba = importlib.import_module("numba")
-    function = for_numba(rule.function, {"error_model": "numpy"})
+    function = for_numba(rule.function, {"error_model": error_model()})
     if types is None:
         count = rule.plain.__code__.co_argcount if isinstance(rule.plain, FunctionType) else None
         if count is None:
@@ -171,7 +172,7 @@ def _compiles(rule: RegisteredRule, types: tuple[Type, ...] | None) -> bool:
         return function(*arguments)
     try:
         taken = numba.types.StarArgTuple([_numba_type(numba, t) for t in types])
-        compiled = numba.njit(error_model="numpy")(reached)
+        compiled = numba.njit(error_model=error_model())(reached)
         compiled.compile((taken,))
     except Exception:  # whatever it is: Numba raises more than its own errors on code that it does not know
         return False

@@ -104,7 +104,7 @@ def test_functions_and_runtime_functions_are_compiled():
     engine.prepare(module.outer, (np.zeros(1),), "'outer'")
     assert module.outer(np.zeros(1)) == np.inf
     assert engine.compiled(text, "outer") is module
-    assert module.inner.targetoptions["error_model"] == "numpy"
+    assert module.inner.targetoptions["error_model"] == engine.error_model()
 
 
 def test_bounds_checks_on_request(monkeypatch):

@@ -215,6 +215,58 @@ def test_a_starred_argument_of_another_length(engine):
                 s2sad.gradient(f)(V, n)
 
 
+def divided(x, n):
+    return x[0] * (5 // n)
+
+
+def remainder(x, n):
+    total = 0.0
+    for i in range(3):
+        total += x[i % n]
+    return total
+
+
+def of_an_index(x, n):
+    return x[divmod(7, n)[1]]
+
+
+def in_a_test(x, n):
+    for i in range(3):
+        if i % n == 0:
+            x[i] *= 2.0
+    return np.sum(x)
+
+
+def a_size(x, n):
+    n //= n
+    return np.sum(np.ones(n) * x[0])
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
+@pytest.mark.parametrize("kernel", [divided, remainder, of_an_index, in_a_test, a_size])
+def test_integers_are_not_divided_by_zero(kernel, engine):
+    with running(engine) as name:
+        f = s2sad.differentiate(kernel, engine=name)
+        for n in (2, 0, 3, 0):
+            if n:
+                assert s2sad.value_and_gradient(f, "x")(V.copy(), n)[0] == pytest.approx(kernel(V.copy(), n))
+                continue
+            for call in (kernel, s2sad.gradient(f, "x"), lambda x, n: s2sad.jvp(f, (x, n), {"x": V})):
+                with pytest.raises(ZeroDivisionError):
+                    call(V.copy(), n)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_floats_are(engine):
+    """Under NumPy's error model, the numbers of Python's too (docs/limits.md)."""
+    f = s2sad.differentiate(of_two_floats, engine=engine)
+    assert s2sad.value_and_gradient(f)(1.0, 0.0)[0] == np.inf
+
+
+def of_two_floats(a, b):
+    return a / b
+
+
 def of_a_part(x, n):
     return x[1:3][n] * x[0]
 
