@@ -269,3 +269,6 @@ LOOPS = {
     linear: ("k",), linear_until: (_while_of(linear_until),), linear_left: ("k",),
     by_rules: ("k",),
 }
+
+# those that read what no step binds
+OF_A_STEP = (left_by_break, bound_in_the_loop_alone)
