@@ -292,8 +292,16 @@ def in_a_loop(x, n):
     return total
 
 
+def of_a_list(x, n):
+    items = []
+    for v in x[:3]:
+        if v > 0.0:
+            items.append(v * v)
+    return items[n] * x[0]
+
+
 @pytest.mark.parametrize("engine", ["numpy", "loops", "numba"])
-@pytest.mark.parametrize("kernel", [of_a_part, of_every_other, written_part, of_a_row, in_a_loop])
+@pytest.mark.parametrize("kernel", [of_a_part, of_every_other, written_part, of_a_row, in_a_loop, of_a_list])
 def test_an_index_out_of_a_part_is_none_into_its_array(kernel, engine):
     with running(engine) as name:
         f = s2sad.differentiate(kernel, engine=name)

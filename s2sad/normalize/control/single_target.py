@@ -34,7 +34,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from s2sad.evaluate.argument_binding import user_call
-from s2sad.normalize.lists.negative_indices import places_counted
 from s2sad.normalize.control.hoist import bound_call, hoist, hoist_all, impure, operands, replace_operands, stored
 from s2sad.evaluate.mutating_calls import UNSUPPORTED, stored_by_call, stored_out
 from s2sad.evaluate.scope import KernelScope
@@ -48,7 +47,7 @@ from s2sad.tree import (
 
 
 def single_target(tree: FunctionDef, scope: KernelScope) -> FunctionDef:
-    body = [places_counted(s) for s in _block(tree.body, scope)]
+    body = _block(tree.body, scope)
     parameters = [a.id for a in (*tree.args.posonlyargs, *tree.args.args, *tree.args.kwonlyargs)]
     return at(function(tree.name, parameters, body), tree)
 

@@ -16,8 +16,6 @@ a list becomes (`Capacity`), its array doubles when it is full.
 from __future__ import annotations
 
 from s2sad.infer.list_arrays import LISTED, MARKS, filled_part, growing_capacity, list_arrays
-from s2sad.normalize.lists.negative_indices import negative_indices, place as index_of
-from s2sad.normalize.control.hoist import impure
 from s2sad.normalize.live_range_splitting import LiveRanges
 from s2sad.normalize.lists.capacity import Capacity, IndexIntervals, sink_empty_lists
 from s2sad.normalize.lists.list_columns import list_columns
@@ -286,8 +284,7 @@ class _GrowingLists:
         else:
             found = self.read(place)
             if not self.intervals.is_nonnegative(place):
-                length = self.length(node.value.id)
-                found = index_of(found, length) if impure(found) else negative_indices(found, length)
+                found = call("runtime.element", found, self.length(node.value.id))
             found = add(name(self.firsts[node.value.id]), found) if node.value.id in self.firsts else found
         array = filled_part(node.value, copy(count)) if isinstance(node.ctx, Store) else node.value
         return at(index(array, found), node)
