@@ -204,14 +204,14 @@ def error_model() -> str:
     (Numba's own for NumPy gives 0, without a word)."""
     models = importlib.import_module("numba.core.callconv")
 
-    class WholeNumbersRaise(models.NumpyErrorModel):
+    class IntegerErrorModel(models.NumpyErrorModel):
         def fp_zero_division(self, builder: Any, exc_args: Any = None, loc: Any = None) -> bool:
             if not exc_args or not str(exc_args[0]).startswith("integer"):
                 return False
             self.call_conv.return_user_exc(builder, ZeroDivisionError, exc_args, loc)
             return True
 
-    models.error_models["s2sad"] = WholeNumbersRaise
+    models.error_models["s2sad"] = IntegerErrorModel
     return "s2sad"
 
 

@@ -201,6 +201,15 @@ def part_from_behind(x):
     return sum(itertools.islice(x, -2))
 
 
+def twice_beside_what_ends(x):
+    turns, total = itertools.cycle((2.0, 3.0, 5.0)), 0.0
+    for v, w in zip(x, turns):
+        total += v * w
+    for w, v in zip(turns, x):
+        total += v * w
+    return total
+
+
 _NEVER = ("an iterator that never ends, of which all items are asked for: go through it beside what ends, as in "
           "zip(x, itertools.count()), or take some: itertools.islice(it, n)")
 
@@ -221,5 +230,7 @@ def cases():
             (all_of_what_never_ends, "sum(itertools.count())", _NEVER),
             (count_of_a_number_of_the_run, "zip(itertools.count(x[0], 0.1), x)", "where a count beside other sequences "
              "starts, and its step, must be known before the run"),
+            (twice_beside_what_ends, "zip(turns, x)", "an iterator that never ends is gone through twice, and goes on "
+             "where it was left: make another one"),
             (part_from_behind, "itertools.islice(x, -2)", "itertools.islice with what is no place from the start")):
         yield Case(kernel, (X,), refused=f"S201 at `{place}`: {why}")

@@ -16,10 +16,13 @@ from s2sad.evaluate.specialize.signals import Leave
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sequences.gathering import frame_inside, loops_of, own_loops
 from s2sad.evaluate.specialize.sequences.generators import ITEM, LAZY
-from s2sad.evaluate.specialize.sequences.endless import TAKEN
+from s2sad.evaluate.specialize.sequences.endless import TAKEN, is_endless
 from s2sad.evaluate.specialize.values import NONE, Data, Iteration, Reference, TupleValue, Value, alike, constant
 from s2sad.tree import AST
 
+_TWICE = (      # of an iterator that ends, and of one that never does: what is said, and the help
+    ("an iterator is gone through twice, and has no items the second time", "make it a list: list(...)"),
+    ("an iterator that never ends is gone through twice, and goes on where it was left", "make another one"))
 STARTED, ITERATED, DEFAULT, TOTAL = ".started", ".iterated", ".default", ".total"
 
 
@@ -47,8 +50,7 @@ def used(ev: Evaluator, value: Value, node: AST) -> None:
     if value.once is not None:
         started = ev.heap[value.once].items[STARTED]
         if not (isinstance(started, Data) and started.known is False):
-            raise ev.refusal(node, "an iterator is gone through twice, and has no items the second time",
-                             help="make it a list: list(...)")
+            raise ev.refusal(node, *_TWICE[is_endless(value)])
         ev.heap.put(value.once, STARTED, constant(True))
     for part in value.parts:
         used(ev, part, node)
