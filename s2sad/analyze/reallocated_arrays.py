@@ -5,7 +5,8 @@ name has one array after another. It is read only after the allocation of the sa
 is allocated before the loop as well, and each iteration begins with the array of the one before (`is_carried`). The
 reverse sweep binds it to each again, last first: before an allocation the
 forward sweep records the size of the array that the name gives up, and its content if that is read. A loop that runs
-forward and back per iteration allocates it again instead.
+forward and back per iteration allocates it again instead; so does the reverse of an iteration where nothing reads its
+content, and counters and what no loop changes say its size (`is_remade`).
 """
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from collections.abc import Callable
 
 from s2sad.analyze.program_structure import ProgramStructure, heads
 from s2sad.normalize.loops.hoist_allocations import is_allocation
-from s2sad.tree import AST, Assign, Name, names, walk
+from s2sad.tree import AST, Assign, Attribute, For, Load, Name, call_name, names, user_call, walk
 
 
 def allocations(structure: ProgramStructure, array: str) -> list[AST]:
@@ -59,6 +60,24 @@ def outlives_loop(structure: ProgramStructure, array: str) -> bool:
     return bool(own) and any(
         not is_nested_in(place.loops, own) for place in structure.places.values()
         if any(isinstance(n, Name) and n.id == array for head in heads(place.statement) for n in walk(head)))
+
+
+def is_remade(structure: ProgramStructure, statement: Assign, lasting: Callable[[str, AST], bool]) -> bool:
+    """Whether the reverse of an iteration can allocate the array of a loop's allocation itself, with any content:
+    each iteration has its own, and counters and `lasting` numbers say the size."""
+    array, place = statement.targets[0].id, structure.place(statement)
+    if len(structure.bindings[array]) != 1 or place.inside[-1] is not place.loops[-1] or outlives_loop(
+            structure, array):
+        return False
+    read = [n for n in walk(statement.value) if isinstance(n, Name) and isinstance(n.ctx, Load)]
+    sizes = {id(n.value) for n in walk(statement.value) if isinstance(n, Attribute) and n.attr == "shape"}
+    sizes |= {id(a) for a in statement.value.args[:1] if "_like" in (call_name(statement.value) or "")}
+    if any(user_call(n) for n in walk(statement.value)) or any(
+            structure.typing.of(n).is_array and id(n) not in sizes or is_reallocated(structure, n.id)
+            for n in read if n.id in structure.typing.table):
+        return False
+    counters = {loop.target.id for loop in place.loops if isinstance(loop, For)}
+    return all(n.id in counters or n.id not in structure.loop_of and lasting(n.id, statement) for n in read)
 
 
 def is_nested_in(loops: tuple[AST, ...], outer: tuple[AST, ...]) -> bool:

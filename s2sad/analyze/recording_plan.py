@@ -66,11 +66,11 @@ class Shift:
 class RecordingPlan:
     """The table. Keys are ids of statements and blocks of the function that was analysed: `rerun` are the loops that
     run again, `reversed` the compound statements with something to reverse, `reallocated` the allocations in loops
-    whose arrays the reverse sweep binds again, `after` the statements whose adjoints run in the state that they leave,
-    `halves` the calls whose adjoints are the sweeps of a function, of which the tapes are kept (`tapes` is their
-    weight), `unread` those that the forward sweep leaves out, `between` the values that are computed again from what is
-    recorded. `dtypes` are those of entries that take less than what is recorded, by its key, `exact` has the statements
-    for whose sake floats are not rounded."""
+    whose arrays the reverse sweep binds again, `remade` those of them that the reverse of an iteration allocates,
+    `after` the statements whose adjoints run in the state that they leave, `halves` the calls whose adjoints are the
+    sweeps of a function, of which the tapes are kept (`tapes` is their weight), `unread` those that the forward sweep
+    leaves out, `between` the values that are computed again from what is recorded. `dtypes` are those of entries that
+    take less than what is recorded, by its key, `exact` has the statements for whose sake floats are not rounded."""
     rerun: Mapping[int, IterationState] = field(default_factory=dict)
     values: dict[str, ReverseValue] = field(default_factory=dict)
     recorded: dict[str, ReverseValue] = field(default_factory=dict)
@@ -82,6 +82,7 @@ class RecordingPlan:
     reversed: set[int] = field(default_factory=set)
     forwards: frozenset[int] = frozenset()
     reallocated: set[int] = field(default_factory=set)
+    remade: set[int] = field(default_factory=set)
     after: frozenset[int] = frozenset()
     weight: int = 0
     dtypes: dict[str, str] = field(default_factory=dict)

@@ -6,7 +6,12 @@ first.
         w = np.zeros(i + 1)         w = np.zeros(i + 1)                         ...
         ...                         ...                                         w = np.empty(w_size_stack[i])
 
-Their content is restored from the tape, as for any array that is overwritten.
+Their content is restored from the tape, as for any array that is overwritten. Where nothing reads that, and the size is
+one of the loop's counters or what it does not change, an iteration of the reverse sweep begins with the allocation.
+
+    for i in range(n):              for i in range(n):                      for i in range(n - 1, -1, -1):
+        w = np.zeros(i + 1)             w = np.zeros(i + 1)                     w = np.empty(i + 1)
+        ...                             ...                                     ...
 """
 from __future__ import annotations
 
@@ -14,7 +19,7 @@ from s2sad.analyze.reallocated_arrays import allocations
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.differentiate.tape import Stack, Tape
 from s2sad.infer.types import INT, Type
-from s2sad.tree import AST, Assign, assign, attribute, call, const, index, name, tuple_of
+from s2sad.tree import AST, Assign, assign, attribute, call, call_name, const, copy, index, name, tuple_of
 
 
 def empty_at_first(structure: ProgramStructure) -> list[AST]:
@@ -43,6 +48,13 @@ def pop_sizes(statement: Assign, tape: Tape) -> list[AST]:
         made += tape.pop(stack, name(size))
         sizes.append(name(size))
     return [*made, empty_array(array, sizes, tape.typing.table[array])]
+
+
+def remade(statement: Assign) -> Assign:
+    """The allocation of the same array, with any content."""
+    made = copy(statement)
+    made.value = call((call_name(made.value) or "").replace("zeros", "empty"), *made.value.args)
+    return made
 
 
 def _stacks(statement: Assign, tape: Tape) -> list[Stack]:

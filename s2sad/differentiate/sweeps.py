@@ -15,7 +15,7 @@ from s2sad.analyze.program_structure import ProgramStructure, is_simple
 from s2sad.differentiate.reversed_loops import reversed_bounds
 from s2sad.differentiate.trip_counters import has_break
 from s2sad.differentiate.recording import Recording, whole_place
-from s2sad.differentiate.reallocation import pop_sizes, push_sizes
+from s2sad.differentiate.reallocation import pop_sizes, push_sizes, remade
 from s2sad.differentiate.tape import Stack, Tape
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.types import INT
@@ -64,7 +64,7 @@ class Sweeps(Recording):
             return made + self.records(statement)
         before = [s for store in self.stores_of(statement)
                   for s in self.tape.push(self.store_stack(store), self.content(store))]
-        if id(statement) in self.plan.reallocated:
+        if id(statement) in self.plan.reallocated - self.plan.remade:
             before += push_sizes(statement, self.tape)
         return [*before, *(self.called(statement) or [copy(statement)]), *self.records(statement)]
 
@@ -120,7 +120,7 @@ class Sweeps(Recording):
 
     def reverse(self, block: list[AST], loop: AST | None = None) -> list[AST]:
         """The reverse sweep of a block; `loop` if it is a loop's body, whose carried numbers come back first."""
-        made: list[AST] = self.zeros(block)
+        made: list[AST] = [at(remade(s), s) for s in block if id(s) in self.plan.remade] + self.zeros(block)
         put_back = self.tape.read if id(loop) in self.plan.rerun else self.tape.pop
         made += self.loop_carried_values(loop, put_back)
         made += [assign(self.plan.values[key].name,
@@ -208,7 +208,7 @@ class Sweeps(Recording):
         called = user_call(getattr(statement, "value", None))
         again = [s for store in stores if called
                  for s in self.tape.read(self.store_stack(store), whole_place(self.snapshot(store)))]
-        if id(statement) in self.plan.reallocated:
+        if id(statement) in self.plan.reallocated - self.plan.remade:
             popped = [*pop_sizes(statement, self.tape), *popped]
         if id(statement) in self.plan.after:
             return [*self.adjoint(statement), *popped]

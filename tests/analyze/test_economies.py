@@ -7,6 +7,7 @@ import pytest
 import s2sad
 from benchmarks.kernels.cases import ARRAYS, Case
 from benchmarks.peers.problems import Problem
+from tests.corpus.buffers import reallocation
 from tests.corpus.calls import kept_tapes
 from tests.harness.engines import running
 
@@ -86,3 +87,13 @@ def test_a_driver_says_one_of_both():
     said = s2sad.gradient(f, checkpoint="2 GB").decorator_arguments()[2], s2sad.gradient(
         f, memory="fastest").decorator_arguments()[2]
     assert [(r.memory, r.limit) for r in said] == [("least", 2_000_000_000), ("fastest", 1_000_000_000)]
+
+
+@pytest.mark.parametrize(("kernel", "recorded"), [
+    (reallocation.linear_only, False), (reallocation.helper_adds, False), (reallocation.linear_by_counters, False),
+    (reallocation.linear_by_what_changes, True), (reallocation.stop_is_a_size, True)])
+def test_sizes_that_counters_say_are_not_recorded(kernel, recorded):
+    """Those of arrays that are read behind the loop are, and those that data say."""
+    case = next(c for c in reallocation.cases() if c.kernel is kernel)
+    text = s2sad.differentiate(kernel, wrt=case.wrt, of=case.of, engine="numba").adjoint_source(*case.arguments)
+    assert ("_size_stack" in text) == recorded

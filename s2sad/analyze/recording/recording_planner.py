@@ -14,7 +14,7 @@ from s2sad.analyze.recording.recomputation import RecomputationPlaces
 from s2sad.analyze.recording_plan import (
     IterationState, RecordingPlan, RecordingProblem, Shift, Snapshot, Store, by_key, reads, subscripts,
 )
-from s2sad.analyze.reallocated_arrays import reallocations_to_reverse
+from s2sad.analyze.reallocated_arrays import is_remade, reallocations_to_reverse
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.analyze.uses import loads_of
 from s2sad.analyze.reverse_values import ReverseValue
@@ -31,8 +31,10 @@ def plan_for(problem: RecordingProblem, rerun: Mapping[int, IterationState], shi
     reversed: set[int] = {id(s) for a in reallocated.values() for s in table.place(a).inside}
     restored: set[int] = set(reallocated)
     while True:
-        plan = RecordingPlanner(problem, rerun, reversed, restored, shifts or {}).plan()
+        planner = RecordingPlanner(problem, rerun, reversed, restored, shifts or {})
+        plan = planner.plan()
         plan.reallocated = {i for i in restored if is_allocation(table.places[i].statement)}
+        plan.remade = {i for i in plan.reallocated if planner.is_remade(table.places[i].statement)}
         recorded_at = [s.statement for s in plan.stores.values()] + [v.home for v in plan.recorded.values()]
         more = {id(s) for x in recorded_at for s in table.place(x).inside}
         more |= {id(s) for value in plan.recorded.values() for b in value.bindings
@@ -226,6 +228,21 @@ class RecordingPlanner(RecomputationPlaces):
         own = next((s for s in self.stores_by.get(id(statement), ()) if dump(s.place) == dump(load)), None)
         return own is None or own is store or self.problem.refills(statement, base_name(load)) or not self.conflict(
             own, load, statement, self.overwrites_operands(statement))
+
+    def is_remade(self, statement: Assign) -> bool:
+        """Whether the reverse of an iteration allocates an array anew: nothing there reads what was in it."""
+        array = statement.targets[0].id
+        again = [k for keys in (*self.result.early.values(), *self.result.late.values()) for k in keys]
+        read = {base_name(load) for k in again for load, _ in self.value_loads(self.result.values[k])}
+        read |= {base_name(targets(s)[0]) for s in self.result.reloaded.values()}
+        if array in read or array in self.mandatory or array in self.rerun_loads or any(
+                s.statement is statement for s in self.result.stores.values()):
+            return False
+
+        def lasting(number: str, user: AST) -> bool:
+            value = self.all_values.at(number, user)
+            return value is None or not self.all_values.transient(value, self.rerun)
+        return is_remade(self.structure, statement, lasting)
 
     def overwrites_operands(self, statement: AST) -> bool:
         """Whether a statement's own store can overwrite what its adjoint reads."""

@@ -315,6 +315,91 @@ def sized_by_another(x):
     return total
 
 
+def durbin(r):
+    """Levinson's and Durbin's recursion: y[:k] is copied, for what is read overlaps with what is written."""
+    y = np.empty_like(r)
+    alpha, beta = -r[0], 1.0
+    y[0] = -r[0]
+    for k in range(1, r.shape[0]):
+        beta *= 1.0 - alpha * alpha
+        alpha = -(r[k] + np.dot(np.flip(r[:k]), y[:k])) / beta
+        y[:k] += alpha * np.flip(y[:k])
+        y[k] = alpha
+    return y
+
+
+def linear_by_counters(x, y):
+    width = int(3.0 * x[0])
+    for i in range(x.size - 1, -1, -2):
+        for j in range(i, width + 3):
+            w = np.zeros((j - i + width, 2))
+            for k in range(w.shape[0]):
+                w[k, k % 2] += 3.0 * x[k % 4] - y[i]
+            if x[i] > 0.8:
+                continue
+            for k in range(w.shape[0]):
+                y[k % 4] += 0.1 * w[k, 0] - 0.2 * w[k, 1]
+
+
+def linear_until_a_break(x, y):
+    for i in range(x.size):
+        w = np.zeros(i + 1)
+        w[0] = x[i]
+        w[i] += 2.0 * x[0]
+        if y[i] > 0.9:
+            break
+        y[i] += w[0] + w[i]
+    while y[0] < 3.0:
+        for i in range(x.size):
+            w = np.empty(2 * i + 1)
+            w[:] = x[i]
+            y[i % 2] += np.sum(w)
+
+
+def linear_by_what_changes(x, y):
+    size = 1
+    for i in range(x.size):
+        for j in range(2):
+            w = np.zeros(size + j)
+            w[0] = x[i]
+            w[-1] -= y[j] * x[j]
+            y[i] += w[0] + 2.0 * w[-1]
+        v = np.zeros(w.size)
+        v[0] = x[i] ** 2
+        size += int(3.0 * x[i])
+        y[i] -= v[0] * w[0]
+
+
+def adds_up(w, x, i):
+    for j in range(w.size):
+        w[j] += x[j % 4] * (i + 1)
+
+
+def helper_adds(x, y):
+    for i in range(x.size):
+        w = np.zeros(i + 1)
+        adds_up(w, x, i)
+        adds_up(w, x, 2)
+        y[i] += np.sum(w) * x[0]
+
+
+def of_other_types(x, y):
+    for i in range(x.size):
+        w = np.zeros(i + 2, dtype=np.complex128)
+        taken = np.zeros(i + 2, dtype=np.bool_)
+        taken[i] = True
+        w[i] = x[i]
+        for j in range(i + 2):
+            y[j % 4] += w[j].real if taken[j] else x[j % 4]
+
+
+def backwards(x, y):
+    for i in range(1, x.size):
+        x[i::-1] += 0.5 * x[:i + 1]
+        y[:i] = 2.0 * y[i - 1::-1] + x[i:0:-1] * x[0]
+        x[3 - i::-1] = y[:4 - i]
+
+
 COUNTS = np.array([2, 1, 4, 3])
 CASES = [
     (triangle, ("x",), ("return",)), (read_after_the_loop, ("x",), ("return",)),
@@ -326,6 +411,9 @@ CASES = [
     (helper_allocates, ("x",), ("return",)), (only_some_outer_iterations, ("x",), ("return",)),
     (negative_subscripts, ("x",), ("return",)), (integers, ("x",), ("return", "x")),
     (state_between, ("u", "x"), ("u",)), (linear_only, ("x", "y"), ("y",)), (stop_is_a_size, ("x",), ("return", "x")),
+    (durbin, ("r",), ("return",)), (linear_by_counters, ("x", "y"), ("y",)),
+    (linear_until_a_break, ("x", "y"), ("y",)), (linear_by_what_changes, ("x", "y"), ("y",)),
+    (helper_adds, ("x", "y"), ("y",)), (of_other_types, ("x", "y"), ("y",)), (backwards, ("x", "y"), ("x", "y")),
     (two_in_a_row, ("x",), ("return",)), (swept, ("x",), ("return",)), (sized_by_another, ("x",), ("return",)),
 ]
 
