@@ -18,9 +18,9 @@ from s2sad.tree import (
 )
 
 Size = tuple[str, int]
-_SHAPED = {"numpy.empty", "numpy.zeros"}
+SHAPED = {"numpy.empty", "numpy.zeros"}
 _LIKE = {"numpy.empty_like", "numpy.zeros_like"}
-_NEW = {*_SHAPED, *_LIKE, "numpy.copy", "numpy.matmul", "runtime.sized"}
+_NEW = {*SHAPED, *_LIKE, "numpy.copy", "numpy.matmul", "runtime.sized"}
 
 
 class IterationSpaces:
@@ -51,10 +51,10 @@ class IterationSpaces:
 
     def _define(self, identifier: str, value: AST) -> None:
         called = call_name(value)
-        if called in _SHAPED:
-            self.shapes[identifier] = _sizes_of_shape(value.args[0])
+        if called in SHAPED:
+            self.shapes[identifier] = sizes_of_shape(value.args[0])
         elif called == "runtime.sized":
-            self.shapes[identifier] = _sizes_of_shape(value.args[1])
+            self.shapes[identifier] = sizes_of_shape(value.args[1])
         elif called in _LIKE and isinstance(value.args[0], Name):
             self.like[identifier] = value.args[0].id
         else:
@@ -138,10 +138,10 @@ class IterationSpaces:
         return self.equal.get(symbol, Affine.symbol(symbol))
 
 
-def _sizes_of_shape(shape: AST) -> list[AST]:
+def sizes_of_shape(shape: AST) -> list[AST]:
     """The sizes in a shape, one by one; `v.shape` in it denotes all sizes of `v`."""
     if isinstance(shape, BinOp) and _is_concatenation(shape):
-        return [*_sizes_of_shape(shape.left), *_sizes_of_shape(shape.right)]
+        return [*sizes_of_shape(shape.left), *sizes_of_shape(shape.right)]
     return list(shape.elts) if isinstance(shape, Tuple) else [shape]
 
 
@@ -156,4 +156,4 @@ def _is_shape(node: AST) -> bool:
     return isinstance(node, Attribute) and node.attr == "shape" and isinstance(node.value, Name)
 
 
-__all__ = ["IterationSpaces"]
+__all__ = ["SHAPED", "IterationSpaces", "sizes_of_shape"]

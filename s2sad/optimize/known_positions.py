@@ -40,7 +40,11 @@ CHANGES_ROUNDING = False
 def known_positions(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
     """The function with such bounds."""
     positions = _Positions(IterationSpaces(function, context.writing, context.shadows))
-    return with_body(function, positions.block(function.body, ()))
+    made: list[AST] = []
+    for statement in function.body:
+        made.append(positions.statement(statement, ()))
+        positions.extents.assume(statement)     # of sizes, for what stands behind it
+    return with_body(function, made)
 
 
 class _Positions:

@@ -40,9 +40,21 @@ def test_sizes(body, found):
     "a = empty_like(u)\na = empty_like(v)\nu[0, 0] = a.shape[0]",       # two sizes
     "u = empty((n, n))\nv[0, 0] = u.shape[0]",                          # a parameter that is bound anew
     "for n in range(3):\n    pass\na = zeros((n, 2))\na[0, 0] = a.shape[0]",
-    "for i in range(n):\n    a = zeros((i, 2))\n    a[0, 0] = a.shape[0]"])
+    "for i in range(n):\n    a = zeros((i, 2))\n    i += 1\n    a[0, 0] = a.shape[0]",     # i is another one
+    "for i in range(n):\n    u[0, 0] = a.shape[0]\n    a = zeros((i, 2))",
+    "for i in range(n):\n    a = zeros((i, 2))\n    for j in range(3):\n        u[0, 0] = a.shape[0]\n"
+    "        a = zeros((j, 2))",
+    "for i in range(n):\n    a = zeros((i, 2))\n    if i > 2:\n        a = zeros((3, 2))\n    u[0, 0] = a.shape[0]",
+    "for i in range(n):\n    if i > 2:\n        a = zeros((3, 2))\n    u[0, 0] = a.shape[0]"])
 def test_what_stays(body):
     assert after(body) == body
+
+
+def test_sizes_of_what_an_iteration_allocates():
+    body = "for i in range(n):\n    a = zeros((i, 2))\n    b = zeros_like(a)\n    while b[0, 0] < {0}:\n" \
+           "        b[0, 0] += {0}\n    for j in range({0}):\n        b[j, 0] = {1}"
+    found = body.replace("zeros_like(a)", "zeros((i, 2))").format("i", 2)
+    assert after(body.format("a.shape[0]", "a.shape[1]")) == found
 
 
 def test_what_raises_is_allocated():

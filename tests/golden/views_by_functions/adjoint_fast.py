@@ -8,8 +8,6 @@ Engine: Numba. Level: fast. Arguments:
 It records nothing.
 """
 
-# ruff: noqa: RUF059, RUF100
-
 import numpy as np
 
 from s2sad.runtime import allocate, allocate_zeros, position  # isort: skip
@@ -32,12 +30,10 @@ def kernel_adjoint_taped(dy, dy_bar, y, y_bar, n, arena):
         for j_2 in range(n):
             u[i_2, j_2] = y[i_2 * n + j_2]
             v[i_2, j_2] = y[i_2 * n + position(n * n, y.shape[0]) + j_2]
-    du, top = allocate(arena, top, (n, n))
     assert position(n * n, dy.shape[0]) == n * n, (
         "an array is reshaped to another number of elements: give "
         "np.reshape sizes that multiply to its own"
     )
-    dv, top = allocate(arena, top, (n, n))
     assert dy.shape[0] - position(n * n, dy.shape[0]) == n * n, (
         "an array is reshaped to another number of elements: give "
         "np.reshape sizes that multiply to its own"
