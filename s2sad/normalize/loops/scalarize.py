@@ -294,8 +294,8 @@ class Scalarize:
         bounds = [high] if zero and step == 1 else [low, high] if step == 1 else [low, high, const(step)]
         counter = found.add([bounds], self.counters)[0]
         cell.append(counter)
-        at_zero = counter if zero else sub(counter, copy(low))
-        found.positions.append(at_zero if step == 1 else BinOp(at_zero, FloorDiv(), const(step)))
+        at_zero = sub(copy(low), counter) if step == -1 else counter if zero else sub(counter, copy(low))
+        found.positions.append(at_zero if abs(step) == 1 else BinOp(at_zero, FloorDiv(), const(step)))
 
     def counters(self, rank: int, first: int = 0) -> list[str]:
         return [self.number(c, INT) for c in ("i", "j", "k", "l", "m", "o")[first:first + rank]]
