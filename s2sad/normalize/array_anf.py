@@ -72,6 +72,18 @@ def is_function(node: AST) -> bool:
     return rule is not None and not (rule.name == "numpy.sum" and not node.keywords)
 
 
+def multiplies_part(node: AST, typing: Typing) -> bool:
+    """Whether an expression is a part of a matrix, whose rows lie apart in memory, times a vector: compiled code copies
+    such a part to multiply it, loops read it where it is."""
+    if call_name(node) != "numpy.matmul" or not isinstance(node, Call) or not isinstance(node.args[0], Subscript):
+        return False
+    matrix, kinds = node.args[0], [typing.of(a) for a in node.args]
+    last = indices(matrix)[-1]
+    return len(indices(matrix)) == typing.of(matrix.value).rank and isinstance(last, Slice) and (
+        last.lower is not None or last.upper is not None) and [k.rank for k in kinds] == [2, 1] and all(
+        k.dtype == "float64" for k in kinds)
+
+
 class _ArrayAnf:
     def __init__(self, typing: Typing, free: Names, loops: bool, added: bool):
         self.typing, self.free, self.loops, self.added = typing, free, loops, added
@@ -124,7 +136,8 @@ class _ArrayAnf:
         elif isinstance(target, Subscript):
             target = self.hoisted(target, before)
         if isinstance(statement, AugAssign):
-            alone = self.added and moves(statement.value) and base_name(target) not in names(statement.value)
+            alone = self.added and base_name(target) not in names(statement.value) and (
+                moves(statement.value) or multiplies_part(statement.value, self.typing))
             value = self.operands(statement.value, before) if alone else self.hoisted(statement.value, before)
             return [*before, augment(target, statement.op, value)]
         if self.grows_in_loop(statement.value):

@@ -14,7 +14,7 @@ A sum runs in blocks of one row, so that its error grows with the length of a ro
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 from s2sad.blocks import with_blocks
@@ -27,7 +27,7 @@ from s2sad.infer.types import INT, Type
 from s2sad.naming import Names
 from s2sad.normalize.buffers.allocations import array_operands, dtype_of
 from s2sad.normalize.loops.element_of import Elements, moves
-from s2sad.normalize.array_anf import is_function
+from s2sad.normalize.array_anf import is_function, multiplies_part
 from s2sad.normalize.shape_guards import same_element_count
 from s2sad.normalize.loops.reduction_loops import Reductions, is_reduction
 from s2sad.normalize.buffers.compose_subscripts import is_new
@@ -35,8 +35,8 @@ from s2sad.passes import Context
 from s2sad.rules.operation import operation
 from s2sad.tree import (
     AST, Add, Assign, AugAssign, BinOp, Call, FloorDiv, For, FunctionDef, If, Name, Return, Slice, Subscript, While,
-    add, assign, at, augment, call, call_name, const, copy, counted_for, index, indices, mult, name, rebuild, sub,
-    user_call, walk, with_body,
+    add, assign, at, augment, call, call_name, const, copy, counted_for, index, indices, mult, name, names, rebuild,
+    sub, user_call, walk, with_body,
 )
 
 
@@ -98,7 +98,7 @@ def scalarize_final(function: FunctionDef, context: Context) -> FunctionDef:
                 for j in range(a_bar.shape[1]):
                     a_bar[i, j] += det_value_bar * cofactors_value[i, j]
     """
-    return _scalarized(function, context, True)
+    return _scalarized(function, context, True, shadows=getattr(context, "shadows", ()))
 
 
 def scatter(function: FunctionDef, context: Context) -> FunctionDef:
@@ -114,18 +114,21 @@ def scatter(function: FunctionDef, context: Context) -> FunctionDef:
     return _scalarized(function, context, False, only=True)
 
 
-def _scalarized(function: FunctionDef, context: Context, final: bool, only: bool = False) -> FunctionDef:
+def _scalarized(function: FunctionDef, context: Context, final: bool, only: bool = False,
+                shadows: Collection[str] = ()) -> FunctionDef:
     """The table of types gains the new counters."""
     shapes = started_shapes(function, context.typing)
-    scalarizing = Scalarize(context.typing, context.names, shapes, final, only)
+    scalarizing = Scalarize(context.typing, context.names, shapes, final, only, shadows)
     return with_body(function, scalarizing.block(function.body))
 
 
 class Scalarize:
-    """The pass over one function."""
+    """The pass over one function; to `shadows` sums are added in any order."""
 
-    def __init__(self, typing: Typing, free: Names, shapes: Shapes, final: bool, only: bool = False):
+    def __init__(self, typing: Typing, free: Names, shapes: Shapes, final: bool, only: bool = False,
+                 shadows: Collection[str] = ()):
         self.typing, self.free, self.shapes, self.final, self.only = typing, free, shapes, final, only
+        self.shadows = shadows
         self.elements = Elements(typing, shapes)
         self.reduced = Reductions(typing, shapes, self.elements, self.counters, self.number)
 
@@ -203,9 +206,25 @@ class Scalarize:
             return thin
         if not self.final or isinstance(target, Name):
             return [statement]
+        if isinstance(statement, AugAssign) and isinstance(target, Subscript) and self.gains_from_part(target, value):
+            return self.part_product(statement, target, *value.args)
         wanted = f"{(call_name(value) or '').rpartition('.')[2]}_value"
         made = self.typing.declare(self.free.fresh(wanted), self.typing.of(value))
         return [assign(made, copy(value)), *self.filled(statement, target, name(made))]
+
+    def gains_from_part(self, target: Subscript, value: AST) -> bool:
+        """Whether a shadow gains the product of a part of a matrix and a vector."""
+        return base_name(target) in self.shadows and multiplies_part(value, self.typing) and self.typing.of(
+            target).dtype == "float64" and self.mask_of(target) is None and base_name(target) not in names(value)
+
+    def part_product(self, statement: AugAssign, target: Subscript, matrix: AST, vector: AST) -> list[AST]:
+        """The loops that add such a product."""
+        found, column = self.indexed_part(target), self.counters(1)[0]
+        total = self.number("row_total", Type("number", "float64"))
+        factors = [self.elements.element(matrix, [*found.positions, name(column)]),
+                   self.elements.element(vector, [name(column)])]
+        row = counted_for(column, self.reduced.bounds(vector), [augment(total, Add(), mult(*factors))])
+        return found.loops_around([assign(total, const(0.0)), row, augment(found.cell, statement.op, name(total))])
 
     def allocated(self, target: Name, value: AST) -> AST | None:
         """The allocation of a name for the value of an elementwise expression of arrays, None for any other value."""
