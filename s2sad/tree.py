@@ -46,6 +46,7 @@ _LOAD, _STORE = Load(), Store()
 
 
 SAID = "said"       # the kind of a text that is the kernel's own message
+GUARD = "guard"     # that of one that generated code asserts before single targets
 
 
 def parse(text: str) -> Module:

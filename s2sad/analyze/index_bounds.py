@@ -15,13 +15,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from s2sad import rules
-from s2sad.analyze.index_systems import Callee, IndexBounds, IndexSystems, apart
+from s2sad.infer.index_systems import Callee, IndexBounds, IndexSystems, apart
 from s2sad.analyze.symbolic_ranges import SymbolicRanges
 from s2sad.infer.affine import Affine, at_most, equals
 from s2sad.infer.inference import Typing
 from s2sad.infer.shapes import ALLOCATIONS, bare_shapes
 from s2sad.infer.signatures.laws import Shape
-from s2sad.normalize.calls.path_conditions import CallSite
+from s2sad.infer.path_conditions import CallSite
 from s2sad.tree import (
     AST, And, Assert, Assign, Attribute, BinOp, BoolOp, Call, Compare, Constant, Eq, For, FunctionDef, If, IfExp, Name,
     Return, Slice, Subscript, While, attribute, call_name, children, const, dump, index, indices, name, names,

@@ -16,7 +16,7 @@ from functools import reduce
 
 from s2sad.infer.affine import Affine
 from s2sad.infer.signatures.laws import whole_number
-from s2sad.normalize.calls.path_conditions import CallSite
+from s2sad.infer.path_conditions import CallSite
 from s2sad.tree import AST, Add, Attribute, BinOp, FloorDiv, Mod, Mult, dump, name
 
 _SPELLINGS = 8      # of what one integer does not exceed

@@ -26,6 +26,8 @@ def cases_of(function: str, given: Sequence[Affine], value: Affine) -> list[Case
                         for j, other in enumerate(given) if j != k]) for k, form in enumerate(given)]
     if function == "builtins.abs" and not rest:
         return [(first, [first]), (first.times(-1), [at_most(first, _LAST)])]
+    if function == "builtins.range" and len(rest) == 2 and not rest[1].terms and rest[1].constant:
+        return _range_length(first, rest[0], rest[1].constant, value)
     if len(rest) != 1:
         return []
     second, = rest
@@ -47,3 +49,11 @@ def cases_of(function: str, given: Sequence[Affine], value: Affine) -> list[Case
                 (first.plus(second), [below, at_most(least, first.plus(second))]),
                 (least, [below, at_most(first.plus(second).shift(1), least)])]
     return []
+
+
+def _range_length(start: Affine, stop: Affine, step: int, value: Affine) -> list[Case]:
+    """The cases of the length of a range, which is that of a slice."""
+    way = stop.plus(start, -1) if step > 0 else start.plus(stop, -1)
+    most = value.times(abs(step)).plus(way, -1)         # the last step may lead behind the end
+    return [(None, [value.shift(-1), most, at_most(most.shift(1), Affine((), abs(step)))]),
+            (_ZERO, [at_most(way, _ZERO)])]

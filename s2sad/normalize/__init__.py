@@ -17,6 +17,7 @@ from s2sad.normalize.anf import anf
 from s2sad.normalize.array_anf import array_anf
 from s2sad.normalize.buffers.array_privatization import array_privatization
 from s2sad.normalize.buffers.argument_rotation import argument_rotation
+from s2sad.normalize.buffers.bounds_check_elimination import bounds_check_elimination
 from s2sad.normalize.buffers.resolve_views import resolve_views
 from s2sad.normalize.buffers.shared_buffers import swap_contents, tail_duplication
 from s2sad.normalize.calls.callee_units import callee_units
@@ -133,6 +134,7 @@ ARRAYS: Passes = (
             Pass(contiguous_arguments),
             Pass(expand),
             Pass(resolve_views),
+            Pass(bounds_check_elimination),
             Pass(unsupported_lists),
             Pass(contiguity_guards),
             Pass(hoist_allocations),

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from s2sad.analyze.index_bounds import index_bounds
-from s2sad.analyze.index_systems import IndexBounds
+from s2sad.infer.index_systems import IndexBounds
 from s2sad.diagnostics import Report
 from s2sad.infer.inference import Typing
 from s2sad.normalize.calls.global_arrays import hidden_name

@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from s2sad.liveness import Accesses, Liveness
-from s2sad.analyze.index_systems import IndexBounds
+from s2sad.infer.index_systems import IndexBounds
 from s2sad.analyze.program_structure import ProgramStructure
 from s2sad.differentiate.user_functions import UserFunction
 from s2sad.infer.inference import Typing

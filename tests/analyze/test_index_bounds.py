@@ -106,6 +106,8 @@ def f(x, y):
     for i in range(n):
         y[i] = x[wrap(i + 1, n)] - x[wrap(i - 1, n)]
 """, [(array(4), array(4)), (array(5), array(4))], [(array(3), array(4))]),
+    "a remainder that is negative": ("def f(x):\n    for i in range(9):\n        x[i % -3] = 1.0\n",
+                                     [(array(3),), (array(2),)], [(array(1),)]),
     "the place of a maximum": ("""def f(x, y):
     place = 0
     for j in range(x.shape[0]):
@@ -181,7 +183,6 @@ UNKNOWN = {
     for k in range(x.size):
         x[k // x.shape[0], k % x.shape[1]] = 1.0
 """, (array(3, 3),)),
-    "a remainder that is negative": ("def f(x):\n    for i in range(9):\n        x[i % -3] = 1.0\n", (array(3),)),
     "a quotient that is negative": ("""def f(x, y):
     n = -x.shape[0]
     for i in range(x.shape[0] * y.shape[0]):

@@ -24,7 +24,7 @@ from s2sad.analyze.trip_counts import trip_counts
 from s2sad.infer.affine import Affine, at_most, feasible
 from s2sad.infer.inference import Typing
 from s2sad.infer.promotion import CASTS
-from s2sad.normalize.calls.path_conditions import CallSite
+from s2sad.infer.path_conditions import CallSite
 from s2sad.tree import AST, Assign, For, FunctionDef, Name, While, call_name, dump, name, stored_names, times_bound
 
 _NARROW = ("int8", "int16", "int32")

@@ -12,6 +12,7 @@ from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation, statement
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.subscripts import sequence_and_place
+from s2sad.evaluate.unpacking import item_count
 from s2sad.evaluate.specialize.values import (
     NONE, UNKNOWN, ClassValue, Data, LibraryValue, ObjectValue, Reference, ScopeValue, SliceValue, TupleValue, Value,
     constant, parts,
@@ -65,7 +66,7 @@ def _unpack(ev: Evaluator, target: Any, value: Value, f: Frame, statement: AST) 
         items = _all_items(ev, target, value, targets[star], f)
     elif isinstance(value, Data) and not value.is_known:
         shape = isinstance(value.node, tree.Attribute) and value.node.attr == "shape"
-        value = value if shape else ev.named(value, "unpacked", statement)
+        value = value if shape else ev.unpackable(value, "unpacked", target, statement)
         items = [ev.item_of(value, constant(k), target, f) for k in range(len(targets))]
         items = [ev.atoms(i, t.id if isinstance(t, tree.Name) else "item", statement) for i, t in zip(items, targets)]
     else:
@@ -78,6 +79,19 @@ def _unpack(ev: Evaluator, target: Any, value: Value, f: Frame, statement: AST) 
         raise ev.refusal(target, f"{len(targets)} targets for {len(items)} values", code="S203")
     for t, item in zip(targets, items):
         store(ev, t, item, f, statement)
+
+
+@operation
+def unpackable(ev: Evaluator, value: Data, wanted: str, target: Any, origin: AST) -> Data:
+    """A value under a name, of which each target takes an item; the run counts these where nothing else does."""
+    named = ev.named(value, wanted, origin)
+    count, length = len(target.elts), named.shape[0] if named.shape else named.count
+    if length is None:
+        ev.raised_in_runs("builtins.ValueError", target)
+        ev.emit(item_count(ev.spelled(named, target), count), target, True)
+    elif length != count:
+        raise ev.refusal(target, f"{count} targets for {length} values", code="S203")
+    return named
 
 
 def _all_items(ev: Evaluator, target: AST, value: Data, rest: Any, f: Frame) -> list[Value]:

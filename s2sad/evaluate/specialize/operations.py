@@ -77,6 +77,7 @@ class Operations:
     leave_function: Callable[..., Any]
     throws: Callable[..., Any]
     raised_in_runs: Callable[..., Any]
+    unpackable: Callable[..., Any]
     residual_list_method: Callable[..., Any]
     as_comprehension: Callable[..., Any]
     as_generator: Callable[..., Any]

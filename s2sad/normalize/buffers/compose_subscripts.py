@@ -65,6 +65,9 @@ def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refus
     if within is None or size is None:
         refuse("a part of a part of an array whose bounds change")
         return inner
+    computed = [b for b in (inner.lower, inner.upper) if b is not None and whole_number(b) is None]
+    if computed and not shapes.is_place(length):
+        shapes.required.append(length)      # `position` takes it for one
     if length == ONE and inner.lower is None and inner.upper is None:
         return outer
     first = shapes.position_after(start, within[0], step)
@@ -78,9 +81,19 @@ def _combined(shapes: Shapes, outer: AST, inner: AST, size: Affine | None, refus
         return inner
     if isinstance(both, int) and both < 0:
         last = shapes.position_after(start, within[1], step)
+        _require_stop(shapes, inner, size.plus(last, -1).shift(-1))
         return Slice(_bound_down(shapes, first, size), _bound_down(shapes, last, size, True), const(both))
     last = shapes.position_after(start, within[1], step) if is_step(step, 1) or within[1] != length else stop
+    if last.plus(size, -1).terms:
+        _require_stop(shapes, inner, last)
     return Slice(_bound(shapes, first), _bound(shapes, last, size), None if is_step(both, 1) else step_expression(both))
+
+
+def _require_stop(shapes: Shapes, part: Slice, room: Affine) -> None:
+    """Asks for the guard that there is room before a stop that counts from the end of a part: beyond the array it would
+    be at its other end."""
+    if (whole_number(part.upper) or 0) < 0 and not shapes.is_place(room):
+        shapes.required.append(room)
 
 
 def _product(step: Step, other: Step) -> Step | None:
@@ -96,11 +109,10 @@ def _product(step: Step, other: Step) -> Step | None:
 def _element(shapes: Shapes, start: Affine, step: Step, inner: AST, length: Affine) -> AST:
     """The position of one element of a slice."""
     number = whole_number(inner)
-    if number is not None:
+    if number is not None and shapes.is_place(length.shift(-number - 1 if number >= 0 else number)):
         at = Affine((), number) if number >= 0 else length.shift(number)
         return shapes.expression(shapes.position_after(start, at, step))
-    if not shapes.is_counted(inner):
-        inner = call("runtime.element", copy(inner), shapes.expression(length))
+    inner = call("runtime.element", copy(inner), shapes.expression(length))
     scaled = inner if is_step(step, 1) else BinOp(copy(inner), Mult(), step_expression(step))
     return add_to(scaled, shapes, start)
 

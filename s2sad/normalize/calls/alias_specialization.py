@@ -14,7 +14,7 @@ from dataclasses import replace
 from s2sad.liveness import base_name
 from s2sad.diagnostics import Report
 from s2sad.infer.inference import Typing
-from s2sad.normalize.calls.path_conditions import CallSite
+from s2sad.infer.path_conditions import CallSite
 from s2sad.program import Kernel
 from s2sad.tree import (
     AST, Add, BinOp, Call, Name, Slice, Store, Subscript, assign, at, const, copy, dump, function, indices, name,

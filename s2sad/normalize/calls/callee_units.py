@@ -17,7 +17,7 @@ from functools import cache
 
 from s2sad.infer.shapes import shapes_of
 from s2sad.normalize.calls.alias_specialization import alias_pairs
-from s2sad.normalize.calls.path_conditions import path_conditions
+from s2sad.infer.path_conditions import path_conditions
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import FunctionDef, copy, name, user_call, walk
 

@@ -40,9 +40,9 @@ from s2sad.evaluate.scope import KernelScope
 from s2sad.normalize.control.unpack import unassignable, unpack
 from s2sad.rules.composed import WRITING
 from s2sad.tree import (
-    SAID, AST, And, AnnAssign, Assert, Assign, AugAssign, BinOp, BoolOp, Break, Call, Constant, Continue, Expr, For,
-    FunctionDef, If, IfExp, Name, Not, Pass, Raise, Return, Subscript, UnaryOp, While, assign, at, call_name, const,
-    copy, function, index, name, walk,
+    GUARD, SAID, AST, And, AnnAssign, Assert, Assign, AugAssign, BinOp, BoolOp, Break, Call, Constant, Continue, Expr,
+    For, FunctionDef, If, IfExp, Name, Not, Pass, Raise, Return, Subscript, UnaryOp, While, assign, at, call_name,
+    const, copy, function, index, name, walk,
 )
 
 
@@ -185,7 +185,7 @@ def _assert(node: Assert, scope: KernelScope) -> list[AST]:
     before, test = hoist(node.test, scope)
     said, message = hoist(node.msg, scope) if node.msg is not None else ([], None)
     if isinstance(message, Constant):
-        message = at(Constant(message.value, SAID), node)
+        message = at(Constant(message.value, None if message.kind == GUARD else SAID), node)
     if not said:
         return [*before, Assert(test, message)]
     return [*before, If(UnaryOp(Not(), test), [*said, Assert(const(False), message)], [])]

@@ -11,6 +11,7 @@ from s2sad.evaluate.argument_binding import result_count, user_call
 from s2sad.normalize.control.hoist import bound_call, hoist, hoist_all, impure, into, operands, replace_operands
 from s2sad.evaluate.effects import STABLE
 from s2sad.evaluate.scope import KernelScope, atomic
+from s2sad.evaluate.unpacking import item_count
 from s2sad.tree import (
     AST, Attribute, Constant, List, Name, Subscript, Tuple, assign, const, copy, index,
     name, names, stored_names, tuple_of,
@@ -91,7 +92,20 @@ def _unpacked(target: AST, value: AST, scope: KernelScope) -> list[AST]:
         statements += before
         if not _cheap(value):
             value = scope.held(value, "items", statements)
+    statements += _counted(target, value)
     return statements + _parallel(_pairs(target, value, scope), scope)
+
+
+def _counted(target: AST, value: AST) -> list[AST]:
+    """The guards that there are as many items as targets."""
+    if not isinstance(target, (Tuple, List)):
+        return []
+    if isinstance(value, (Tuple, List)):
+        return [guard for t, v in zip(target.elts, value.elts) for guard in _counted(t, v)]
+    if not _cheap(value) or isinstance(value, Attribute):
+        return []
+    return [item_count(value, len(target.elts)), *(
+        guard for k, t in enumerate(target.elts) for guard in _counted(t, index(copy(value), const(k))))]
 
 
 def _cheap(value: AST) -> bool:

@@ -17,6 +17,7 @@ def limit(a, n):
 
 def kernel_adjoint(du, du_bar, u, u_bar, p, p_bar):
     # forward sweep: only what the reverse sweep reads
+    assert len(p) == 2, "unpacked into another number of names than it has items"
     b = p[0]
     alpha = p[1]
     n = u.shape[0]

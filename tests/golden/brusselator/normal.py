@@ -19,6 +19,7 @@ def limit(a, n):
 
 
 def kernel(du, u, p):
+    assert len(p) == 2, "unpacked into another number of names than it has items"
     b = p[0]
     alpha = p[1]
     n = u.shape[0]

@@ -14,6 +14,7 @@ def limit(a, n):
 
 
 def kernel_tangent(du, du_dot, u, u_dot, p, p_dot):
+    assert len(p) == 2, "unpacked into another number of names than it has items"
     b = p[0]
     b_dot = p_dot[0]
     alpha = p[1]

@@ -12,6 +12,7 @@ It records nothing.
 
 def kernel_adjoint(u, u_bar, p, p_bar):
     # forward sweep: only what the reverse sweep reads
+    assert len(p) == 3, "unpacked into another number of names than it has items"
     a = p[0]
     b = p[1]
     c = p[2]

@@ -2,6 +2,7 @@
 
 
 def kernel(u, p):
+    assert len(p) == 3, "unpacked into another number of names than it has items"
     a = p[0]
     b = p[1]
     c = p[2]

@@ -9,6 +9,7 @@ Engine: NumPy. Level: plain. Arguments:
 
 
 def kernel_tangent(u, u_dot, p, p_dot):
+    assert len(p) == 3, "unpacked into another number of names than it has items"
     a = p[0]
     a_dot = p_dot[0]
     b = p[1]

@@ -14,7 +14,7 @@ from itertools import count
 from s2sad.infer.affine import Affine, projected
 from s2sad.infer.integer_cases import Case, cases_of
 from s2sad.infer.shapes import Shapes
-from s2sad.normalize.calls.path_conditions import CallSite
+from s2sad.infer.path_conditions import CallSite
 from s2sad.tree import AST, BinOp, Call, FloorDiv, Mod, Name, Slice, Subscript, call_name, indices
 
 System = tuple[Affine, ...]
@@ -83,11 +83,11 @@ class IndexSystems:
 
     def split(self, here: CallSite, claim: System) -> list[list[Affine]]:
         """The claim, with what holds at a place, for each way to compute what is no affine form."""
-        waiting: list[tuple[list[Affine], dict[str, Affine]]] = [([*claim, *here.places], {})]
+        waiting: list[tuple[list[Affine], int, dict[str, Affine]]] = [([*claim, *here.places], len(claim), {})]
         done: list[list[Affine]] = []
         while waiting:
-            system, chosen = waiting.pop()
-            relevant = self._about(system, len(claim))
+            system, first, chosen = waiting.pop()
+            relevant = self._about(system, first)
             symbols = sorted({s for form in relevant for s, _ in form.terms} - chosen.keys())
             found = next(((s, c) for s in symbols if (c := self._cases(s, here))), None)
             if found is None or len(waiting) + len(done) >= _CASES:
@@ -97,7 +97,8 @@ class IndexSystems:
             for form, conditions in cases:
                 value = Affine.symbol(symbol) if form is None else form.replaced(chosen)
                 known = {s: f.replaced({symbol: value}) for s, f in chosen.items()} | {symbol: value}
-                waiting.append(([f.replaced(known) for f in [*system, *conditions]], known))
+                forms = [*system[:first], *conditions, *system[first:]]
+                waiting.append(([f.replaced(known) for f in forms], first + len(conditions), known))
         return done
 
     def _about(self, system: list[Affine], first: int) -> list[Affine]:
@@ -126,7 +127,9 @@ class IndexSystems:
         if isinstance(atom, BinOp) and type(atom.op) in _OPERATORS:
             function, given = _OPERATORS[type(atom.op)], [atom.left, atom.right]
         elif isinstance(atom, Call):
-            function, given = call_name(atom) or "", atom.args
+            counted = call_name(atom) == "builtins.len" and call_name(atom.args[0]) == "builtins.range"
+            inner = atom.args[0] if counted else atom       # the length of a range is of what the range is given
+            function, given = call_name(inner) or "", inner.args
         else:
             return []
         forms = [form for a in given if (form := here.size(a)) is not None]
