@@ -22,6 +22,7 @@ from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.evaluate.specialize.classes.class_lookup import class_value
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.separate.call_view import NUMBER
 from s2sad.evaluate.specialize.signals import Leave, Reached, Unevaluated
 from s2sad.evaluate.specialize.entry_arguments import (
     argument_value, assigned_numbers, changed_outside, changes_of, mutated, store_cells,
@@ -120,8 +121,11 @@ def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, An
         except Unevaluated as reason:
             site = None if unrolls or reason.site is None else (
                 reason.site if isinstance(reason.site, str) else id(reason.site))
-            if reason.demands:
-                raise DemandedFacts(reason.demands, reason.error) from None
+            of_arguments = frozenset(fact for fact in reason.demands if fact[1] != NUMBER)
+            if of_arguments:
+                raise DemandedFacts(of_arguments, reason.error) from None
+            if reason.demands and not inlines:      # what a function of its own makes of numbers is known where it is
+                raise reason.error from None        # written out
             if reason.choice and reason.choice not in choices:
                 choices |= {reason.choice}
                 continue

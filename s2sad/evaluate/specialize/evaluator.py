@@ -114,6 +114,8 @@ class Evaluator(Operations):
         self.loops: list[Any] = []                              # residual loops around
         self.returned: list[tuple[AST, Value, dict[int, Object]]] = []
         self.depth = self.emitted = 0
+        self.residual: tuple[AST, ...] = ()                 # the loops around that stay, those of callers, too
+        self.endless: list[AST] = []                        # the loops with which a recursion had no end
         self.guarded: tuple[frozenset[Fact], ...] = ()      # residual branches and loops around: what would decide them
         self.owning = False                                 # what is taken from outside now belongs to a bound object
         self.wanted: dict[AST, tuple[str, AST]] = {}        # what gets a name, that name and the statement

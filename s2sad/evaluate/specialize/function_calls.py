@@ -213,7 +213,7 @@ def inlined(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywo
     if ev.depth > DEEPEST:      # it may end where the tests around are decided
         refused = ev.refusal(node, f"'{function.captured.name}' calls itself more than {DEEPEST} deep",
                              help="recursion must end for what is known before the run", code="S204")
-        raise Unevaluated(refused, frozenset().union(*ev.guarded))
+        raise Unevaluated(refused, frozenset().union(*ev.guarded), endless=True)
     definition = function.captured.tree
     if type(definition).__name__ not in ("FunctionDef", "Lambda"):
         raise ev.refusal(node, f"'{function.captured.name}' is a coroutine")

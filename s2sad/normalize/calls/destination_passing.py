@@ -56,7 +56,7 @@ class OwnedResults:
 
     def filled(self) -> dict[str, Assign]:
         """The statements that allocate results with a name, and may fill an array of the caller's instead."""
-        words = {v.id for v in self.values if isinstance(v, Name)}
+        words = {v.id for v in self.values if isinstance(v, Name)} - {p.id for p in self.tree.args.args}
         return {s.targets[0].id: s for s in self.tree.body if isinstance(s, Assign) and isinstance(
             s.targets[0], Name) and s.targets[0].id in words and not user_call(s.value)}
 

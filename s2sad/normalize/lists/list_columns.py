@@ -16,8 +16,9 @@ from collections.abc import Callable, Collection
 
 from s2sad.normalize.lists.list_statements import appended_list, grown_lists, popped_list
 from s2sad.tree import (
-    AST, Assign, BoolOp, Call, Constant, Expr, FunctionDef, List, Load, Name, Store, Subscript, Tuple, UnaryOp, assign,
-    at, attribute, call_name, children, copy, head_copy, index, name, names, rebuild, walk, with_body,
+    AST, Assert, Assign, BoolOp, Call, Compare, Constant, Expr, FunctionDef, List, Load, Name, Store, Subscript, Tuple,
+    UnaryOp, assign, at, attribute, call_name, children, const, copy, dump, head_copy, index, name, names, rebuild,
+    walk, with_body,
 )
 
 Fresh = Callable[[str], str]
@@ -83,10 +84,11 @@ class _Rows:
         return rows
 
     def is_row(self, row: str, width: int, rows: dict[str, int]) -> bool:
-        """Whether of a name only items are read, but where it becomes another row."""
+        """Whether of a name only items and its length are read, but where it becomes another row."""
         moved = {id(s.value) for s in self.nodes if isinstance(s, Assign) and len(s.targets) == 1 and isinstance(
             s.targets[0], Name) and rows.get(s.targets[0].id) == width and isinstance(s.value, Name)}
         moved |= {id(i) for s in self.nodes for listed, i in put_items(s) if self.lists.get(listed) == width}
+        moved |= {id(n.args[0]) for n in self.nodes if call_name(n) == "builtins.len"}
         bound = {n for s in self.nodes if isinstance(s, Assign) and isinstance(s.targets[0], Name)
                  and s.targets[0].id == row for n in [row_source(s, self.lists)]}
         return all(n in self.lists or n in rows for n in bound) and all(
@@ -176,6 +178,9 @@ class _Columns:
             before, items = self.held(s.value)
             return [*before, *(assign(index(name(n), self.read(target.slice)), i) for n, i in zip(
                 self.names[target.value.id], items))]
+        if isinstance(s, Assert) and isinstance(s.test, Compare) and dump(self.read(s.test.left)) == dump(
+                s.test.comparators[0]) and self.is_length(s.test.left):
+            return []
         new = head_copy(s)
         for field in s._fields:
             inner = getattr(s, field)
@@ -217,7 +222,13 @@ class _Columns:
     def read(self, node: AST) -> AST:
         return rebuild(node, self.change)
 
+    def is_length(self, node: AST) -> bool:
+        """Whether an expression is the number of a row's items."""
+        return call_name(node) == "builtins.len" and isinstance(node.args[0], Name) and node.args[0].id in self.rows
+
     def change(self, node: AST) -> AST | None:
+        if self.is_length(node):
+            return const(self.rows[node.args[0].id])
         if isinstance(node, Subscript) and isinstance(node.slice, Constant) and isinstance(
                 node.value, Name) and node.value.id in self.names and node.value.id not in self.lists:
             return at(name(self.names[node.value.id][node.slice.value]), node)

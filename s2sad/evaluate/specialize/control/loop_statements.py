@@ -70,7 +70,10 @@ def test_known(ev: Evaluator, s: Any, f: Frame) -> bool | None:
 
 
 def rolled(ev: Evaluator, s: Any, *forms: Callable[[], Any] | None) -> None:
-    """A loop as it stands; where something in it must be known, it is taken back, and evaluated in the next form."""
+    """A loop as it stands; where something in it must be known, it is taken back, and evaluated in the next form. Of a
+    recursion without an end its outermost loop alone tries other forms, and none where facts would tell the end."""
+    if forms[-1] is not None and any(s is one for one in ev.endless):
+        forms = forms[-1:]
     before = ev.snapshot()
     pending, loops, guarded = list(ev.pending), list(ev.loops), ev.guarded
     outer = ev.block
@@ -82,6 +85,10 @@ def rolled(ev: Evaluator, s: Any, *forms: Callable[[], Any] | None) -> None:
             form()
             return
         except Unevaluated as reason:
+            if reason.endless and (reason.demands or any(s is one for one in ev.residual)):
+                raise
+            if reason.endless:
+                ev.endless.append(s)
             ev.pending[:], ev.loops[:] = pending, loops
             ev.block, ev.guarded = outer, guarded
             ev.restore(before)

@@ -82,6 +82,7 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
     left = ev.heap.new(Object("frame"))
     loop = ResidualLoop(ev.heap.fork(), place=len(ev.pending), left=left, birth=ev.births)
     outer, before, guarded, depth = ev.block, ev.snapshot(), ev.guarded, (len(ev.pending), len(ev.loops))
+    around = ev.residual
     while True:
         prelude: list[AST] = []
         ev.heap.objects, ev.block = dict(loop.start), []
@@ -91,7 +92,7 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
         ev.loops.append(loop)
         ev.pending.append(None)
         falls = True
-        ev.guarded = (*guarded, frozenset())
+        ev.guarded, ev.residual = (*guarded, frozenset()), (*around, origin)
         try:
             make = once()
         except (Unbound, NewGoal) as missing:
@@ -106,7 +107,7 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
                                  help="return once, behind the loop") from None
             falls, make = False, getattr(loop, "make", None)
         finally:
-            ev.guarded = guarded
+            ev.guarded, ev.residual = guarded, around
             del ev.pending[depth[0]:], ev.loops[depth[1]:]
         body = ev.block
         ends = [*([ev.heap.objects] if falls else []), *(objects for _, _, objects in loop.exits)]

@@ -125,6 +125,8 @@ def _make(ev: Evaluator, known: SeparateFunctions, view: CallView, definition: A
         asked = {name for name in view.numbers.values() if view.demand(name) in reason.demands}
         if asked:
             return asked
+        if reason.endless and reason.demands:       # callers know more
+            raise
     except (S2sadError, NotSeparate, Unbound, Leave):
         pass
     finally:
