@@ -109,6 +109,52 @@ def starmap(function, iterable):
         yield function(*item)
 
 
+def groupby(iterable, key=None):
+    keys, groups = [], []
+    for item in iterable:
+        found = item if key is None else key(item)
+        if len(keys) == 0 or not keys[-1] == found:
+            keys.append(found)
+            groups.append([])
+        groups[-1].append(item)
+    return zip(keys, [iter(group) for group in groups])
+
+
+def zip_longest(*iterables, fillvalue=None):
+    columns = [list(iterable) for iterable in iterables]
+    rows = max([len(column) for column in columns], default=0)
+    return iter([tuple([column[k] if k < len(column) else fillvalue for column in columns]) for k in range(rows)])
+
+
+def itemgetter(*items):
+    def get(obj):
+        return obj[items[0]] if len(items) == 1 else tuple([obj[item] for item in items])
+    return get
+
+
+def attrgetter(*attrs):
+    def resolved(obj, attr):
+        for name in attr.split("."):
+            obj = getattr(obj, name)
+        return obj
+
+    def get(obj):
+        return resolved(obj, attrs[0]) if len(attrs) == 1 else tuple([resolved(obj, attr) for attr in attrs])
+    return get
+
+
+def methodcaller(name, *args, **kwargs):
+    def called(obj):
+        return getattr(obj, name)(*args, **kwargs)
+    return called
+
+
+def diag_indices_from(arr):
+    if arr.ndim != 2:
+        raise NotImplementedError("diag_indices_from: an array of another number of axes than two")
+    return np.diag_indices(arr.shape[0])
+
+
 def from_iterable(iterable):
     for items in iterable:
         yield from items
@@ -313,11 +359,13 @@ _OF_NUMPY = {"phase": "angle", **{f"a{name}": f"arc{name}" for name in ("sin", "
 _OF_COMPLEX = ("exp", "log", "log10", "sqrt", "sin", "cos", "tan", "sinh", "cosh", "tanh", *_OF_NUMPY)
 
 WRITTEN: dict[str, Callable[..., Any]] = dict((
-    *_by_path("itertools", count, cycle, repeat, pairwise, islice, takewhile, starmap),
+    *_by_path("itertools", count, cycle, repeat, pairwise, islice, takewhile, starmap, groupby,
+              zip_longest),
+    *_by_path("operator", itemgetter, attrgetter, methodcaller),
     *_by_path("itertools.chain", from_iterable), *_by_path("cmath", polar, rect),
     *((f"cmath.{name}", of_complex(getattr(np, _OF_NUMPY.get(name, name)))) for name in _OF_COMPLEX),
     *_by_path("numpy", piecewise, fromfunction, apply_along_axis, vectorized, rollaxis, broadcast_arrays, unwrap,
-              tolist, polyadd, polysub, poly1d),
+              tolist, polyadd, polysub, poly1d, diag_indices_from),
     *_by_path("numpy.polynomial", Polynomial),
     *_by_path("numpy.polynomial.polynomial", Polynomial), *_by_path("numpy.polynomial.chebyshev", chebval),
     *_by_path("numpy.polynomial.legendre", legval), *_by_path("numpy.polynomial.hermite", hermval),

@@ -79,6 +79,7 @@ class Operations:
     raised_in_runs: Callable[..., Any]
     unpackable: Callable[..., Any]
     residual_list_method: Callable[..., Any]
+    joined_lists: Callable[..., Any]
     as_comprehension: Callable[..., Any]
     as_generator: Callable[..., Any]
     as_listed: Callable[..., Any]

@@ -1,7 +1,9 @@
 """Functions of NumPy's that are read as Python: of functions, of polynomials, reductions of what a mask picks."""
 from __future__ import annotations
 
+import itertools
 import math
+import operator
 
 import numpy as np
 
@@ -122,6 +124,44 @@ def of_the_type_of_the_first(x, a):
     return np.sum(truncated(x) ** 2)
 
 
+SPRINGS = [("a", 2.0, 1), ("b", 1.0, 2), ("a", 3.0, 0)]
+
+
+def sorted_and_grouped(x, a):
+    s = 0.0
+    for _, stiffness, k in sorted(SPRINGS, key=operator.itemgetter(1)):
+        s = s * 0.5 + stiffness * x[k]
+    for name, group in itertools.groupby(sorted(SPRINGS), key=operator.itemgetter(0)):
+        for _, stiffness, k in group:
+            s += x[k] ** 2 * stiffness * (1.0 if name == "a" else x[0])
+    for k, group in itertools.groupby([2, 2, 0, 1, 1]):
+        s += x[k] * len(list(group))
+    k, stiffness = operator.itemgetter(2, 1)(max(SPRINGS, key=lambda spring: spring[1]))
+    return s + stiffness * x[k] + operator.methodcaller("sum")(a * a)
+
+
+def of_different_lengths(x, a):
+    return sum(v * w for v, w in itertools.zip_longest(x, x[:1] * 2.0, fillvalue=0.5)) + sum(
+        v for (v,) in itertools.zip_longest(a[0])) * x[0]
+
+
+def on_the_diagonal(x, a):
+    k = np.outer(x, x)
+    k[np.diag_indices_from(k)] += a[0, 0]
+    return np.sum(k ** 2)
+
+
+def on_a_diagonal_of_more_axes(x, a):
+    k = np.ones((3, 3, 3)) * a[0, 0]
+    k[np.diag_indices_from(k)] += a[0, 1]
+    return np.sum(k ** 2)
+
+
+def letters(x, word):
+    places = ["-abc".index(letter) for letter in word]
+    return x[places].sum() * x[0] + sum(x["abc".index(letter)] for letter in word)
+
+
 def cases():
     for kernel in (pieces, along_axes, grids, series, polynomial, quadrature, signals, masked, classes_of_polynomials):
         yield Case(kernel, (X.copy(), A.copy()), ("x", "a"))
@@ -138,3 +178,7 @@ def cases():
     yield Case(of_the_type_of_the_first, (X.copy(), A.copy()), ("x",), refused=(
         "S201 at `truncated`: np.vectorize gives all results the type of the first one, which is not seen to be a "
         "float: say the type, np.vectorize(f, otypes=[float]), or write a comprehension: np.array([f(v) for v in x])"))
+    yield Case(sorted_and_grouped, (X.copy(), A.copy()), ("x", "a"))
+    yield Case(of_different_lengths, (X.copy(), A.copy()), ("x", "a"))
+    yield Case(on_the_diagonal, (X.copy(), A.copy()), ("x", "a"))
+    yield Case(letters, (X.copy(), "abcb"), ("x",))

@@ -441,6 +441,31 @@ def row_in_a_comprehension(x):
     return sum(a * b for a, b in h)
 
 
+def least_with_a_first(x):
+    return min([x[0] * 3.0] + [v / 2.0 for v in x if v > 0.6]) + max([v for v in x if v > 9.0] + [x[1]])
+
+
+def added_to_itself(x):
+    us = [v * 2.0 for v in x if v > 0.5]
+    vs = us
+    us += us
+    us.extend(x)
+    return sum(v * k for k, v in enumerate(vs))
+
+
+def joined_again_and_again(x):
+    us, ws = [], [x]
+    for v in x:
+        if v > 0.5:
+            us = us + [v]
+    ws = ws + [x * v for v in x if v > 0.5]
+    return sum(u * k for k, u in enumerate(us, 1)) + sum(np.sum(w ** 2) for w in ws)
+
+
+def pairs_joined(x):
+    return sum(a * b * b for a, b in [(x[0], x[1])] + [(v, v * v) for v in x if v > 0.5])
+
+
 def cases():
     for kernel in (adaptive_times, left_by_break, pairs, of_helpers, element_is_written, rows_are_written,
                    made_in_a_loop, appended_in_an_inner_loop, under_a_condition, accepted_steps,
@@ -448,6 +473,8 @@ def cases():
                    relaxation, old_row_across_the_append, old_number, old_array, copies_of_one,
                    one_array_many_times, constants_and_numbers, integers, bisection, rows_of_numbers,
                    backwards):
+        yield Case(kernel, (X,), "x")
+    for kernel in (least_with_a_first, added_to_itself, joined_again_and_again, pairs_joined):
         yield Case(kernel, (X,), "x")
     for kernel in (parts, truth_of_lists, extended, arrays_of_a_list, row_with_a_name, row_that_is_copied):
         yield Case(kernel, (X,), "x")

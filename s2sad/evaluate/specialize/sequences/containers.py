@@ -149,8 +149,10 @@ def container_operator(ev: Evaluator, op: AST, left: Value, right: Value, node: 
     if isinstance(op, tree.Add) and kinds == ["list", "list"]:
         return ev.list_of([*sequence_items(ev, left), *sequence_items(ev, right)], node)
     if isinstance(op, tree.Add) and "list" in kinds and any(isinstance(v, Data) and v.is_list for v in (left, right)):
-        raise ev.unknown(node, "how long a list is must be known where another one is added", left if isinstance(
-            left, Data) else right)
+        residual = [v for v in (left, right) if isinstance(v, Data)]
+        if not any(v.demands for v in residual):        # no facts would tell
+            return ev.joined_lists((left, right), node, f)
+        raise ev.unknown(node, "how long a list is must be known where another one is added", residual[0])
     if isinstance(op, tree.Mult) and any(k in ("list", "tuple") for k in kinds):
         sequence, times = (left, right) if kinds[0] in ("list", "tuple") else (right, left)
         if isinstance(times, Data) and (not times.is_known and not times.shape or type(times.known) is int):

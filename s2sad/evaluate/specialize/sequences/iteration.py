@@ -159,7 +159,8 @@ def _of_data(ev: Evaluator, value: Value, node: AST) -> list[Value]:
         return [Data(tree.at(tree.index(ev.spelled(value, node), tree.const(k)), node), shape=tuple(shape.known[1:]))
                 for k in range(shape.known[0])]
     listed = isinstance(value, Data) and value.is_list
-    raise ev.unknown(node, "how many items there are must be known before the run", shape, help=(
+    tells = shape if shape.demands else value           # a text has no shape
+    raise ev.unknown(node, "how many items there are must be known before the run", tells, help=(
         "go through it in a for loop whose body binds numbers and arrays alone" if listed else ""))
 
 

@@ -71,11 +71,29 @@ def _popped(ev: Evaluator, base: Data, place: Value, node: AST) -> Value:
 @operation
 def extend_residual(ev: Evaluator, old: Data, value: Value, s: Any, f: Frame) -> None:
     """What `old += value` and `old.extend(value)` leave of a residual list, which stays the one that it is."""
-    if isinstance(value, Data):
-        raise ev.refusal(s, "a list whose length is not known before the run is changed in place",
-                         help="append to it item by item")
+    if isinstance(value, Data) and not value.is_known and value.count is None:
+        if value.rows is not None and value.rows.form:
+            raise ev.refusal(s, "objects of a list whose length is not known before the run are added to another one",
+                             help="append to it item by item")
+        whole, place = ev.named(value, "added", s), ev.fresh("k")
+        taken = tree.index(tree.copy(whole.node), tree.name(place))
+        added = tree.Call(tree.attribute(tree.copy(old.node), "append"), [taken], [])
+        length = tree.call("len", tree.copy(whole.node))
+        ev.emit(tree.counted_for(place, [length], [tree.at(tree.Expr(tree.at(added, s)), s)]), s, True)
+        return
     for item in ev.items_of(value, s, f):
         ev.append_residual(old, item, s)
+
+
+@operation
+def joined_lists(ev: Evaluator, parts: Sequence[Value], node: AST, f: Frame) -> Data:
+    """A new list of the residual program with the items of several."""
+    wanted = ev.wanted.get(node, ("items", node))[0]
+    made = ev.named(Data(tree.at(tree.List([], tree.Load()), node), is_list=True, rows=ev.listed_records(node)), wanted,
+                    node)
+    for part in parts:
+        ev.extend_residual(made, part, node, f)
+    return made
 
 
 def whole_list(value: Data, node: AST) -> Data:
