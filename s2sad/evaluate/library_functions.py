@@ -155,6 +155,18 @@ def diag_indices_from(arr):
     return np.diag_indices(arr.shape[0])
 
 
+def triu_indices_from(arr, k=0):
+    if arr.ndim != 2:
+        raise ValueError("triu_indices_from: an array of another number of axes than two")
+    return np.triu_indices(arr.shape[0], k, arr.shape[1])
+
+
+def tril_indices_from(arr, k=0):
+    if arr.ndim != 2:
+        raise ValueError("tril_indices_from: an array of another number of axes than two")
+    return np.tril_indices(arr.shape[0], k, arr.shape[1])
+
+
 def from_iterable(iterable):
     for items in iterable:
         yield from items
@@ -365,7 +377,8 @@ WRITTEN: dict[str, Callable[..., Any]] = dict((
     *_by_path("itertools.chain", from_iterable), *_by_path("cmath", polar, rect),
     *((f"cmath.{name}", of_complex(getattr(np, _OF_NUMPY.get(name, name)))) for name in _OF_COMPLEX),
     *_by_path("numpy", piecewise, fromfunction, apply_along_axis, vectorized, rollaxis, broadcast_arrays, unwrap,
-              tolist, polyadd, polysub, poly1d, diag_indices_from),
+              tolist, polyadd, polysub, poly1d, diag_indices_from,
+              triu_indices_from, tril_indices_from),
     *_by_path("numpy.polynomial", Polynomial),
     *_by_path("numpy.polynomial.polynomial", Polynomial), *_by_path("numpy.polynomial.chebyshev", chebval),
     *_by_path("numpy.polynomial.legendre", legval), *_by_path("numpy.polynomial.hermite", hermval),

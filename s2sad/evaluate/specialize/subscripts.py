@@ -72,7 +72,9 @@ def item_of(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Va
         if isinstance(base.known, tuple):
             return Data(found, base.known[known_place(ev, place, node)])
         is_part = isinstance(place, SliceValue)
-        item = Data(found, demands=base.demands, shape=of_part(base, place), origins=origins(base, place),
+        picks = isinstance(place, Reference) and ev.is_spelled_out(place) and not ev.is_spelled_out(base)
+        picked = Data(found, shape=(len(ev.sequence_items(place)),)) if picks else place
+        item = Data(found, demands=base.demands, shape=of_part(base, picked), origins=origins(base, place),
                     is_list=base.is_list and is_part, rows=base.rows if is_part else None)
         return item if is_part else ev.listed_record(base, item, node)
     if is_sparse(base, ev.heap):

@@ -148,13 +148,8 @@ def of_different_lengths(x, a):
 def on_the_diagonal(x, a):
     k = np.outer(x, x)
     k[np.diag_indices_from(k)] += a[0, 0]
-    return np.sum(k ** 2)
-
-
-def on_a_diagonal_of_more_axes(x, a):
-    k = np.ones((3, 3, 3)) * a[0, 0]
-    k[np.diag_indices_from(k)] += a[0, 1]
-    return np.sum(k ** 2)
+    k[np.triu_indices_from(k, 1)] *= 2.0
+    return np.sum(k ** 2) + np.sum(a[np.tril_indices_from(a)] * a[1, 2])
 
 
 def letters(x, word):

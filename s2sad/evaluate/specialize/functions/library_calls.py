@@ -90,7 +90,9 @@ def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapp
     args = [_as_array(ev, path, a, node, f) for a in args]
     args, keywords = with_known_options(ev, path, args, keywords, node)
     made = ev.residual_call(tree.at(tree.name(ev.library(path)), node), args, keywords, node)
-    found = _of_list(ev, args[0]) if of_list else of_call(path, args, keywords)
+    spelled = [TupleValue(tuple(ev.sequence_items(a))) if isinstance(a, Reference) and ev.is_spelled_out(a) else a
+               for a in args]
+    found = _of_list(ev, args[0]) if of_list else of_call(path, spelled, keywords)
     return replace(made, shape=found, origins=origins(*args), count=_results(path, args, keywords),
                    is_list=path in ("builtins.list", "builtins.sorted"))
 
