@@ -82,10 +82,13 @@ def _unpack(ev: Evaluator, target: Any, value: Value, f: Frame, statement: AST) 
 
 
 @operation
-def unpackable(ev: Evaluator, value: Data, wanted: str, target: Any, origin: AST) -> Data:
-    """A value under a name, of which each target takes an item; the run counts these where nothing else does."""
+def unpackable(ev: Evaluator, value: Data, wanted: str, target: Any, origin: AST, is_row: bool = False) -> Data:
+    """A value under a name, of which each target takes an item; the run counts these where nothing else does, and it
+    is a row of an array, or an array: what a function gives may be a tuple."""
     named = ev.named(value, wanted, origin)
     count, length = len(target.elts), named.shape[0] if named.shape else named.count
+    if length is None and not (is_row or named.shape or named.name in named.origins or named.is_list):
+        return named
     if length is None:
         ev.raised_in_runs("builtins.ValueError", target)
         ev.emit(item_count(ev.spelled(named, target), count), target, True)

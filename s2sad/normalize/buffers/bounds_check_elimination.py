@@ -7,7 +7,8 @@
             s += y[i]                   return s
         return s
 
-Requires resolved views. What would be outside of the array, too, is left to its own bounds.
+Requires resolved views. Establishes that an index of a part is inside the part; what would be outside of the array,
+too, is left to its own bounds.
 """
 from __future__ import annotations
 

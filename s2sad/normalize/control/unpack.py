@@ -12,9 +12,11 @@ from s2sad.normalize.control.hoist import bound_call, hoist, hoist_all, impure, 
 from s2sad.evaluate.effects import STABLE
 from s2sad.evaluate.scope import KernelScope, atomic
 from s2sad.evaluate.unpacking import item_count
+from s2sad.liveness import base_name
 from s2sad.tree import (
-    AST, Attribute, Constant, List, Name, Subscript, Tuple, assign, const, copy, index,
+    AST, Assign, Attribute, Call, Constant, List, Name, Subscript, Tuple, assign, const, copy, index,
     name, names, stored_names, tuple_of,
+    walk_statements,
 )
 
 Pair = tuple[AST, AST]
@@ -92,20 +94,31 @@ def _unpacked(target: AST, value: AST, scope: KernelScope) -> list[AST]:
         statements += before
         if not _cheap(value):
             value = scope.held(value, "items", statements)
-    statements += _counted(target, value)
+    statements += _counted(target, value, scope)
     return statements + _parallel(_pairs(target, value, scope), scope)
 
 
-def _counted(target: AST, value: AST) -> list[AST]:
-    """The guards that there are as many items as targets."""
+def _counted(target: AST, value: AST, scope: KernelScope) -> list[AST]:
+    """The guards that arrays and lists have as many items as targets; what a function gives may be a tuple."""
     if not isinstance(target, (Tuple, List)):
         return []
     if isinstance(value, (Tuple, List)):
-        return [guard for t, v in zip(target.elts, value.elts) for guard in _counted(t, v)]
-    if not _cheap(value) or isinstance(value, Attribute):
+        return [guard for t, v in zip(target.elts, value.elts) for guard in _counted(t, v, scope)]
+    if not _cheap(value) or isinstance(value, Attribute) or base_name(value) in _given(scope):
         return []
     return [item_count(value, len(target.elts)), *(
-        guard for k, t in enumerate(target.elts) for guard in _counted(t, index(copy(value), const(k))))]
+        guard for k, t in enumerate(target.elts) for guard in _counted(t, index(copy(value), const(k)), scope))]
+
+
+def _given(scope: KernelScope) -> set[str]:
+    """The names that functions give values to, and those of these, and what the pass itself holds in names."""
+    bound = [s for s in walk_statements(scope.kernel.tree.body) if isinstance(s, Assign)]
+    there = {p.id for p in scope.kernel.tree.args.args} | {n for s in bound for n in stored_names(s)}
+    found = scope.names.taken - there
+    while more := {n for s in bound if isinstance(s.value, Call) or found.intersection(names(s.value))
+                   for n in stored_names(s)} - found:
+        found |= more
+    return found
 
 
 def _cheap(value: AST) -> bool:

@@ -288,7 +288,7 @@ def _bind_items(ev: Evaluator, target: Any, item: Value, own: Mapping[str, str],
         for t, i in zip(target.elts, item.items):
             _bind_items(ev, t, i, own, f)
     else:
-        whole = ev.unpackable(item, "row", target, target)  # pyright: ignore[reportArgumentType]
+        whole = ev.unpackable(item, "row", target, target, True)  # pyright: ignore[reportArgumentType]
         for k, t in enumerate(target.elts):
             _bind_items(ev, t, ev.item_of(whole, constant(k), target, f), own, f)
 
