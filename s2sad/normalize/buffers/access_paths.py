@@ -41,6 +41,7 @@ class AccessPaths:
         self.versions: set[str] = set()
         self.depths: dict[str, int] = {}                  # how many loops are around an allocation
         self.allocations = Allocations(typing, report, shapes)
+        self.ambiguous: set[str] = set()                  # names that have been refused
 
     def access_path(self, node: AST) -> AccessPath | None:
         """The access path of an array expression, or None if it is no name or part of an array."""
@@ -51,6 +52,7 @@ class AccessPaths:
             if view is None and node.id.startswith("array."):
                 return node.id, ()
             if view is None or view == AMBIGUOUS:
+                self.ambiguous.add(node.id)
                 self.report.error("S201", f"'{self.free.user_name(node.id)}' may stand for different arrays here", node,
                                   help="copy into one array with x[...] = ..., or use two names")
                 return None

@@ -18,7 +18,7 @@ from collections.abc import Callable, Sequence, Set
 
 from s2sad import rules
 from s2sad.liveness import base_name, read_names
-from s2sad.infer.signatures.laws import ONE
+from s2sad.infer.signatures.laws import ONE, Shape
 from s2sad.infer.shapes import Shapes, single_values
 from s2sad.infer.slice_extents import scattered
 from s2sad.infer.types import array
@@ -26,6 +26,7 @@ from s2sad.infer.list_arrays import RESERVE, stored_list
 from s2sad.normalize.buffers.allocations import loaded
 from s2sad.normalize.buffers.may_alias import Aliases
 from s2sad.normalize.buffers.store_hazards import overlaps
+from s2sad.normalize.buffers.late_bindings import LateBinding, allocated_before, late_sizes
 from s2sad.normalize.buffers.loop_carried import LoopCarried
 from s2sad.normalize.buffers.access_paths import AMBIGUOUS, AccessPath, is_whole_place
 from s2sad.normalize.buffers.resized_buffers import Axes, ResizingError
@@ -35,8 +36,8 @@ from s2sad.normalize.loops.reduction_loops import is_reduction
 from s2sad.normalize.buffers.may_alias import UpcomingUses
 from s2sad.tree import (
     AST, Assert, Assign, Attribute, AugAssign, BinOp, Call, Expr, For, FunctionDef, If, Name, Return, Slice, Store,
-    Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, index, indices, is_unset, name, names,
-    rebuild, tuple_of, user_call, walk, walk_statements, with_body,
+    Subscript, Tuple, While, assign, at, attribute, augment, call_name, const, copy, index, indices, is_unset, name,
+    names, rebuild, tuple_of, user_call, walk, walk_statements, with_body,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -44,16 +45,20 @@ Writes = Callable[[Call], Sequence[int]]
 
 def resolve_views(function: FunctionDef, context: NormalContext) -> FunctionDef:
     """The function with views resolved; refuses what cannot be. It begins anew where it finds that an array changes its
-    size."""
+    size, or must be there before a loop."""
     resized: dict[str, Axes] = {}
+    taken, said = set(context.names.taken), len(context.report.found)
     while True:
-        typing, taken = context.typing.copy(), set(context.names.taken)
+        typing = context.typing.copy()
         try:
             return _resolved(function, context, resized)
         except ResizingError as error:
             resized = {**resized, error.identifier: error.axes}
-            context.typing = typing
-            context.names.release(*context.names.taken - taken)
+        except LateBinding as late:
+            function = allocated_before(function, late.sizes, typing.table)
+            del context.report.found[said:]
+        context.typing = typing
+        context.names.release(*context.names.taken - taken)
 
 
 def _resolved(function: FunctionDef, context: NormalContext, resized: dict[str, Axes]) -> FunctionDef:
@@ -68,12 +73,14 @@ def _resolved(function: FunctionDef, context: NormalContext, resized: dict[str, 
     pass_.bound_at, pass_.unset, pass_.late_allocated, pass_.buffers, pass_.stored_in_loop = {}, set(), {}, {}, set()
     pass_.at_breaks, pass_.resized, pass_.refilled = [], resized, []
     pass_.growing = {n.args[0].id for n in walk(function.body) if call_name(n) == RESERVE}
-    pass_.reserved = set()
+    pass_.reserved, pass_.bound_shapes = set(), {}
     pass_.uses, pass_.aliases = UpcomingUses(function), Aliases(pass_.parameters)
     new = with_body(function, function.body)
     lengths = [shapes_equal(index(attribute(name(p.id), "shape"), const(k)), const(1))
                for p in function.args.args for k in typing.ones.get(p.id, ())]
     new.body = [*(at(test, function) for test in lengths), *pass_.block(function.body)]
+    if late := late_sizes(function, sorted(pass_.ambiguous), pass_.bound_shapes, shapes):
+        raise LateBinding(late)
     context.shared = pass_.aliases.check(report)
     context.guarded |= _asserts(new) > _asserts(function)
     return new
@@ -88,6 +95,7 @@ class _ResolveViews(LoopCarried):
     writes: Writes
     lists: Set[str]
     growing: Set[str]                   # the names of lists whose arrays double
+    bound_shapes: dict[str, list[Shape]]                # of what loops bind names to
 
     def statement(self, statement: AST) -> list[AST]:
         if isinstance(statement, Assign):
@@ -122,7 +130,19 @@ class _ResolveViews(LoopCarried):
         if not kind.is_array:
             return [assign(target, self.number(target.id, self.resolved_call(value, statement)))]
         self.bound_at[target.id] = statement
-        return self.bind_array(target.id, value, statement)
+        made = self.bind_array(target.id, value, statement)
+        self.note_shape(target.id)
+        return made
+
+    def note_shape(self, identifier: str) -> None:
+        """Notes the shape of what a name is bound to in a loop."""
+        base, subscripts = self.paths.get(identifier, AMBIGUOUS)
+        if self.depth and base:
+            needed = list(self.shapes.required)
+            array_ = index(name(base), *map(copy, subscripts)) if subscripts else name(base)
+            shape = tuple(d and self.shapes.reduced(d) for d in self.shapes.of(array_))
+            self.bound_shapes.setdefault(identifier, []).append(shape)
+            self.shapes.required = needed
 
     def refuse_changing_tuple(self, value: AST, statement: Assign) -> None:
         """Refuses a tuple that is read later, when what it is made of may be something else."""
