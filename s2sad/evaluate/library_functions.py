@@ -48,6 +48,10 @@ def apply_along_axis(func1d, axis, arr):
     return np.array([func1d(row) for row in arr])
 
 
+def stack(arrays, axis=0):
+    return np.moveaxis(np.stack(arrays), 0, axis)
+
+
 def tolist(a):
     if np.ndim(a) == 0:
         return a

@@ -15,8 +15,8 @@ from s2sad.evaluate.argument_binding import OPTIONS, parameters_of_library, resu
 from s2sad.evaluate.library_functions import WITH_OPTION, WRITTEN
 from s2sad.program import Program
 from s2sad.tree import (
-    AST, Assign, Attribute, Call, Compare, Dict, Expr, For, FunctionDef, GeneratorExp, In, Is, IsNot, List, ListComp,
-    Name, NotIn, Return, Starred, Store, Subscript, Tuple, call_name, user_call, walk,
+    AST, Assign, Attribute, Call, Compare, Constant, Dict, Expr, For, FunctionDef, GeneratorExp, In, Is, IsNot, List,
+    ListComp, Name, NotIn, Return, Starred, Store, Subscript, Tuple, call_name, user_call, walk,
 )
 
 _ASKED = ("builtins.isinstance", "numpy.isscalar", "numpy.ndim")
@@ -49,7 +49,8 @@ def _asks(node: AST) -> bool:
     if isinstance(node, Attribute):
         return isinstance(node.ctx, Store) or node.attr == "ndim"
     if isinstance(node, Assign):
-        return len(node.targets) > 1 and any(isinstance(t, Subscript) for t in node.targets)
+        nothing = isinstance(node.value, Constant) and node.value.value is None
+        return nothing or len(node.targets) > 1 and any(isinstance(t, Subscript) for t in node.targets)
     if isinstance(node, Subscript):
         return call_name(node.value) == "builtins.zip"      # a module's rows of numbers
     if isinstance(node, Call):

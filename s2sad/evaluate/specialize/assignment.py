@@ -130,6 +130,8 @@ def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f
         ev.assign_attributes(base, {ev.key_of(key, origin): value}, origin, f)
         return
     base = ev.indexed(base, origin)
+    if _is_none(base):
+        raise ev.none_here(base, origin)
     if isinstance(base, Data) and key == "shape" and ev.reshape_in_place(base, value, origin):
         return
     if isinstance(base, Data):
@@ -295,6 +297,8 @@ def _holds(ev: Evaluator, slot: Slot, value: Value) -> bool:
 
 def _augmented_part(ev: Evaluator, s: Any, base: Any, key: Any, f: Frame) -> None:
     """`base[key] op= value` of an array: an element is read before the value is computed, a part behind that."""
+    if _is_none(base):
+        raise ev.none_here(base, s.target)
     at, effects, rebound, gathers = len(ev.block), ev.effects, len(ev.rebound), _gathers(key)
     value = ev.value(s.value, f)
     changes, is_part = ev.effects > effects, isinstance(key, (str, SliceValue))
@@ -321,6 +325,10 @@ def _augmented_part(ev: Evaluator, s: Any, base: Any, key: Any, f: Frame) -> Non
         ev.emit(tree.assign(place, ev.spelled(ev.binary(s.op, whole, value, s, f), s)), s, True)
     else:
         ev.emit(tree.augment(place, s.op, ev.spelled(value, s)), s, True)
+
+
+def _is_none(base: Value) -> bool:
+    return isinstance(base, Data) and base.is_known and base.known is None
 
 
 def _may_fill(node: AST, listed: str) -> bool:

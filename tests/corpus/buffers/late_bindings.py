@@ -52,6 +52,7 @@ def of_an_object(x, y):
     search = Search()
     for k in range(4):
         search.tell(x * y[k] + y[::-1])
+    search.chosen[1] *= 3.0
     return np.sum(search.chosen ** 2)
 
 
@@ -77,6 +78,16 @@ def read_in_later_rounds(x, y):
     return s + chosen[1]
 
 
+def written_behind_the_loop(x, y):
+    best = None
+    for k in range(4):
+        if x[k] > 0.5:
+            best = x * y[k]
+    best[1:] = x[0]
+    best[0] += y[1]
+    return best @ x
+
+
 def of_two_sizes(x, y):
     best = 0.0
     for k in range(4):
@@ -99,7 +110,8 @@ def an_array_that_is_written_later(x, y):
 
 
 def cases():
-    for kernel in (best_so_far, best_in_a_while, last_hit, of_an_object, in_each_round, read_in_later_rounds):
+    for kernel in (best_so_far, best_in_a_while, last_hit, of_an_object, in_each_round, read_in_later_rounds,
+                   written_behind_the_loop):
         yield Case(kernel, (X, Y), ("x", "y"))
     yield Case(of_two_sizes, (X, Y), refused=(
         "S201 at `chosen`: 'chosen' may stand for different arrays here: copy into one array with x[...] = ..., or use "

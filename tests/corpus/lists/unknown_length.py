@@ -466,6 +466,17 @@ def pairs_joined(x):
     return sum(a * b * b for a, b in [(x[0], x[1])] + [(v, v * v) for v in x if v > 0.5])
 
 
+def stacked_along_an_axis(x):
+    def both(v):
+        return np.array([v[0] * v[1], np.sin(v[2]) + v[3]])
+    slopes = np.stack([both(x + e) for e in np.eye(x.size)], axis=1)
+    us = []
+    for v in x:
+        if v > 0.5:
+            us.append(np.outer(x, x * v))
+    return np.sum(slopes @ x) + np.sum(np.stack(us, axis=-1)[:, :, 1] * x) + np.stack(us, 1)[0, 1, 2]
+
+
 def cases():
     for kernel in (adaptive_times, left_by_break, pairs, of_helpers, element_is_written, rows_are_written,
                    made_in_a_loop, appended_in_an_inner_loop, under_a_condition, accepted_steps,
@@ -474,7 +485,8 @@ def cases():
                    one_array_many_times, constants_and_numbers, integers, bisection, rows_of_numbers,
                    backwards):
         yield Case(kernel, (X,), "x")
-    for kernel in (least_with_a_first, added_to_itself, joined_again_and_again, pairs_joined):
+    for kernel in (least_with_a_first, added_to_itself, joined_again_and_again, pairs_joined,
+                   stacked_along_an_axis):
         yield Case(kernel, (X,), "x")
     for kernel in (parts, truth_of_lists, extended, arrays_of_a_list, row_with_a_name, row_that_is_copied):
         yield Case(kernel, (X,), "x")

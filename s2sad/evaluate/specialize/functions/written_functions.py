@@ -80,6 +80,9 @@ def _by_arguments(path: str, args: Sequence[Value], keywords: Mapping[str, Value
     if path == "numpy.unravel_index" and len(args) == 2 and not keywords and (
             isinstance(args[1], TupleValue) or isinstance(args[1], Data) and args[1].count is not None):
         return library_functions.unravel_index
+    if path == "numpy.stack" and _at(args, keywords, 1, "axis") is not None and isinstance(args[0], Data) and (
+            args[0].is_list):
+        return library_functions.stack
     if path == "numpy.linspace" and any(shape(a) or isinstance(a, TupleValue) for a in (
             _at(args, keywords, 0, "start"), _at(args, keywords, 1, "stop")) if a is not None):
         return library_functions.linspace
