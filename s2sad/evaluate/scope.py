@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 from s2sad.evaluate.effects import Memory
 from s2sad.infer.types import Type
 from s2sad.passes import Context
-from s2sad.tree import AST, Constant, FunctionDef, Name, assign, at, name
+from s2sad.tree import (
+    AST, Assign, Call, Constant, FunctionDef, Name, assign, at, name, names, stored_names, walk_statements,
+)
 
 
 @dataclass(kw_only=True)
@@ -15,6 +17,7 @@ class KernelScope(Context):
     given: dict[str, Type] = field(default_factory=dict)        # the types of the parameters, once they are known
     _tree: FunctionDef | None = field(init=False, default=None)
     _memory: Memory | None = field(init=False, default=None)
+    _sequences: set[str] | None = field(init=False, default=None)
 
     def begin(self, tree: FunctionDef) -> None:
         self._tree, self._memory = tree, None       # the pass before has made names
@@ -26,6 +29,19 @@ class KernelScope(Context):
             assert self._tree is not None
             self._memory = Memory(self._tree, self.program)
         return self._memory
+
+    @property
+    def sequences(self) -> set[str]:
+        """The kernel's names that hold no results of functions, which may be tuples."""
+        if self._sequences is None:
+            tree = self.kernel.tree
+            bound = [s for s in walk_statements(tree.body) if isinstance(s, Assign)]
+            results: set[str] = set()
+            while more := {n for s in bound if isinstance(s.value, Call) or results.intersection(names(s.value))
+                           for n in stored_names(s)} - results:
+                results |= more
+            self._sequences = {p.id for p in tree.args.args}.union(*map(stored_names, bound)) - results
+        return self._sequences
 
     def fresh(self, wanted: str) -> str:
         """A new name: the wanted one, else numbered from 2."""

@@ -27,6 +27,7 @@ CALLS = [
     *(("numpy.kron", (a, b), {}) for a, b in ((V, W), (M, V), (T, S))), *(("numpy.linalg.inv", (a,), {}) for a in (M,)),
     *(("numpy.transpose", (a,), {}) for a in (V, S, T)), ("numpy.transpose", (T, (1, 0, 2)), {}),
     *((f"numpy.{room}", (a,), k) for room in ("cumsum", "cumprod", "sort") for a in (V, S, T) for k in AXES),
+    *(("numpy.sort", (S, k), {}) for k in (None, 0)),
     *(("numpy.flip", (a,), k) for a in (V, S, T) for k in AXES),
     *(("numpy.roll", (a, 1), k) for a in (V, S) for k in AXES),
     *(("numpy.diff", (a,), k) for a in (V, S) for k in AXES[:3]), *(("numpy.pad", (a, 1), {}) for a in (V, S)),

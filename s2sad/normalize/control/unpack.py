@@ -14,9 +14,8 @@ from s2sad.evaluate.scope import KernelScope, atomic
 from s2sad.evaluate.unpacking import item_count
 from s2sad.liveness import base_name
 from s2sad.tree import (
-    AST, Assign, Attribute, Call, Constant, List, Name, Subscript, Tuple, assign, const, copy, index,
+    AST, Attribute, Constant, List, Name, Subscript, Tuple, assign, const, copy, index,
     name, names, stored_names, tuple_of,
-    walk_statements,
 )
 
 Pair = tuple[AST, AST]
@@ -104,21 +103,10 @@ def _counted(target: AST, value: AST, scope: KernelScope) -> list[AST]:
         return []
     if isinstance(value, (Tuple, List)):
         return [guard for t, v in zip(target.elts, value.elts) for guard in _counted(t, v, scope)]
-    if not _cheap(value) or isinstance(value, Attribute) or base_name(value) in _given(scope):
+    if not _cheap(value) or isinstance(value, Attribute) or base_name(value) not in scope.sequences:
         return []
     return [item_count(value, len(target.elts)), *(
         guard for k, t in enumerate(target.elts) for guard in _counted(t, index(copy(value), const(k)), scope))]
-
-
-def _given(scope: KernelScope) -> set[str]:
-    """The names that functions give values to, and those of these, and what the pass itself holds in names."""
-    bound = [s for s in walk_statements(scope.kernel.tree.body) if isinstance(s, Assign)]
-    there = {p.id for p in scope.kernel.tree.args.args} | {n for s in bound for n in stored_names(s)}
-    found = scope.names.taken - there
-    while more := {n for s in bound if isinstance(s.value, Call) or found.intersection(names(s.value))
-                   for n in stored_names(s)} - found:
-        found |= more
-    return found
 
 
 def _cheap(value: AST) -> bool:

@@ -93,8 +93,8 @@ def _inverse(args: Sequence[Value], keywords: Mapping[str, Value]) -> Shape | No
 
 
 def _reordered(args: Sequence[Value], keywords: Mapping[str, Value]) -> Shape | None:
-    """Of what moves elements, along one axis or all."""
-    return shape(args[0]) if args and _is_axis(keywords.get("axis", constant(0))) else None
+    """Of what moves elements, along one axis or all; np.sort along None gives a vector."""
+    return shape(args[0]) if all(map(_is_axis, [*args[1:], keywords.get("axis", constant(0))])) else None
 
 
 def _accumulated(args: Sequence[Value], keywords: Mapping[str, Value]) -> Shape | None:
