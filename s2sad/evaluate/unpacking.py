@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from s2sad.tree import GUARD, AST, Assert, Constant, Eq, call, compare, const, copy
 
-_ITEMS = "unpacked into another number of names than it has items"
+ITEMS = "unpacked into another number of names than it has items"
 
 
 def item_count(value: AST, count: int) -> Assert:
     """The guard for a value that may be written several times."""
-    return Assert(compare(call("builtins.len", copy(value)), Eq(), const(count)), Constant(_ITEMS, GUARD))
+    return Assert(compare(call("builtins.len", copy(value)), Eq(), const(count)), Constant(ITEMS, GUARD))

@@ -56,6 +56,7 @@ from s2sad.normalize.lists.list_allocation import list_allocation
 from s2sad.normalize.lists.list_elements import coalesce_names, copies_in_tuples, unsupported_lists
 from s2sad.normalize.lists.list_operators import list_operators
 from s2sad.normalize.live_range_splitting import live_range_splitting
+from s2sad.normalize.loops.guard_motion import guard_motion
 from s2sad.normalize.loops.hoist_allocations import hoist_allocations
 from s2sad.normalize.loops.scalarize import scalarize, scatter
 from s2sad.normalize.single_assignment import single_assignment
@@ -135,6 +136,7 @@ ARRAYS: Passes = (
             Pass(expand),
             Pass(resolve_views),
             Pass(bounds_check_elimination),
+            Pass(guard_motion),
             Pass(unsupported_lists),
             Pass(contiguity_guards),
             Pass(hoist_allocations),

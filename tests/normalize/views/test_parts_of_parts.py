@@ -94,3 +94,25 @@ def written(rng):
 @pytest.mark.parametrize("seed", range(40))
 def test_any_part(seed, tmp_path):
     compare(tmp_path / "kernel.py", written(Random(seed)), "loops" if seed % 4 == 0 else "numpy")
+
+
+def pairs(xy, n):
+    s = 0.0
+    for i in range(n):
+        for j in range(1, n):
+            a, b = xy[i]
+            c, d = xy[j]
+            s += (a - c) * (b - d)
+    return s
+
+
+def test_items_of_rows_are_counted_before_the_loops():
+    xy = np.arange(6.0).reshape(3, 2)
+    text = s2sad.differentiate(pairs, wrt="xy", engine="numpy").adjoint_source(xy, 3)
+    assert text.count("assert ") == 1 and text.count("for ") == 2
+    derivative = s2sad.value_and_gradient(s2sad.differentiate(pairs, engine="numpy"), wrt="xy")
+    assert derivative(np.ones((3, 3)), 1)[0] == 0.0
+    for n, columns in ((3, 3), (2, 1)):
+        with pytest.raises(ValueError, match="unpacked into another number of names than it has items"):
+            derivative(np.ones((3, columns)), n)
+    assert derivative(np.ones((3, 3)), 0)[0] == 0.0
