@@ -103,7 +103,7 @@ def cases():
         of = tuple(n for n, a, b in zip("uv", given, left) if not np.array_equal(a, b))
         yield Case(kernel, given, ("u", "v"), (*of, "return"))
     # a part at a counter ends with its loop
-    for kernel in (last_row, searched_row):
-        yield Case(kernel, (np.ones(4), np.ones(4)), "u", refused=(
-            "S201 at `row`: 'row' may stand for different arrays here: copy into one array with x[...] = "
-            "..., or use two names"))
+    yield Case(last_row, (np.ones(4), np.ones(4)), "u", refused=(
+        "S201 at `row`: 'row' may stand for different arrays here: copy into one array with x[...] = ..., or use two "
+        "names"))
+    yield Case(searched_row, (np.array([0.1, 0.3, 0.8, 0.9]), np.arange(1.0, 5.0)), "u")

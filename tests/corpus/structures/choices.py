@@ -419,8 +419,9 @@ def cases():
     for kernel in EVERY:
         yield Case(kernel, (np.array([0.8, 0.5, 0.3]),), "x")
     for kernel, said in (
-            (an_array_that_goes_on_changing, "S201 at `prev`: 'prev' may stand for different arrays here: "
-             "copy into one array with x[...] = ..., or use two names"),
+            (an_array_that_goes_on_changing, "S201 at `u[0] *= 1.5`: an array is written that another name may stand "
+             "for here, as it did before a loop or branch bound it anew: bind the name to a copy before the loop or "
+             "branch: u = u.copy(); where names swap in a branch, swap what their arrays hold"),
             (a_list_that_grows, "S201 at `c.append(x[1] * 2)`: append to 'c', which is not bound once, to a list: "
              "bind it once, as [] or as a list of what it starts with")):
         yield Case(kernel, (np.array([0.8, 0.5, 0.3]),), "x", refused=said)
