@@ -16,6 +16,9 @@ from typing import Any
 import numpy as np
 
 
+_END = "the end of an iterator"
+
+
 def piecewise(x, condlist, funclist):
     whole = np.zeros_like(x)
     one = isinstance(condlist, np.ndarray) and condlist.ndim == 1
@@ -114,20 +117,35 @@ def starmap(function, iterable):
 
 
 def groupby(iterable, key=None):
-    keys, groups = [], []
-    for item in iterable:
-        found = item if key is None else key(item)
-        if len(keys) == 0 or not keys[-1] == found:
-            keys.append(found)
-            groups.append([])
-        groups[-1].append(item)
-    return zip(keys, [iter(group) for group in groups])
+    iterator = iter(iterable)
+    is_left, item, found, groups = True, None, None, 0
+
+    def advance():
+        nonlocal is_left, item, found
+        item = next(iterator, _END)
+        is_left = item is not _END
+        if is_left:
+            found = item if key is None else key(item)
+
+    def group(number, target):
+        while is_left and number == groups and found == target:
+            yield item
+            advance()
+    advance()
+    while is_left:
+        target = found
+        yield target, group(groups, target)
+        while is_left and found == target:      # what has not been taken is gone
+            advance()
+        groups += 1
 
 
 def zip_longest(*iterables, fillvalue=None):
-    columns = [list(iterable) for iterable in iterables]
-    rows = max([len(column) for column in columns], default=0)
-    return iter([tuple([column[k] if k < len(column) else fillvalue for column in columns]) for k in range(rows)])
+    columns = [list(iterable) if isinstance(iterable, (dict, set)) else iterable for iterable in iterables]
+    k = 0
+    while any(k < len(column) for column in columns):
+        yield tuple([column[k] if k < len(column) else fillvalue for column in columns])
+        k += 1
 
 
 def itemgetter(*items):
@@ -156,6 +174,8 @@ def methodcaller(name, *args, **kwargs):
 def diag_indices_from(arr):
     if arr.ndim != 2:
         raise NotImplementedError("diag_indices_from: an array of another number of axes than two")
+    if arr.shape[0] != arr.shape[1]:
+        raise ValueError("diag_indices_from: an array with axes of different lengths")
     return np.diag_indices(arr.shape[0])
 
 

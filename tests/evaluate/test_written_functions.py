@@ -25,10 +25,23 @@ def too_few_functions(x, a):
     return np.sum(np.piecewise(x, [x < 0.0, x > 0.5, x > 0.7], [lambda v: v ** 2]))
 
 
+def diagonal_of_another_shape(x, a):
+    whole = np.ones((2, 3)) * a
+    whole[np.diag_indices_from(whole)] += x[0]
+    return np.sum(whole ** 2)
+
+
+def diagonal_of_more_axes(x, a):
+    whole = np.ones((3, 3, 3)) * x[0]
+    whole[np.diag_indices_from(whole)] += x[1]
+    return np.sum(whole ** 2)
+
+
 @pytest.mark.parametrize("engine", ["numpy", "numba"])
 @pytest.mark.parametrize(("kernel", "said"), [
     (compared, "polynomials that are compared"), (series_of_several, "coefficients with several axes"),
     (lines_of_three_axes, "arrays of more than two axes"),
+    (diagonal_of_another_shape, "axes of different lengths"), (diagonal_of_more_axes, "axes than two"),
     (too_few_functions, "as many functions as conditions, or one more")], ids=lambda v: getattr(v, "__name__", ""))
 def test_what_they_do_not_know(kernel, said, engine):
     with pytest.raises((S2sadError, NotImplementedError, ValueError), match=said):

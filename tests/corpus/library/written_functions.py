@@ -140,6 +140,27 @@ def sorted_and_grouped(x, a):
     return s + stiffness * x[k] + operator.methodcaller("sum")(a * a)
 
 
+def items_in_their_turn(x, a):
+    us, s = [x[0], x[1], x[2]], 0.0
+    for v, w in itertools.zip_longest(us, [1.0, 2.0], fillvalue=0.5):
+        us[2] = x[3] * 7.0
+        s += v * w
+    for _, group in itertools.groupby(us, key=lambda v: 0):
+        for v in group:
+            us[1] = a[0, 0] * s
+            s += v * us[0]
+    return s
+
+
+def groups_that_are_gone(x, a):
+    s = 0.0
+    for k, group in list(itertools.groupby([0, 0, 1, 2])):
+        s += x[k] + sum(x[v] ** 2 for v in group)
+    for k, group in itertools.groupby([0, 0, 1, 0, 0]):
+        s += x[next(group)] * x[1] + k * x[2]
+    return s
+
+
 def of_different_lengths(x, a):
     return sum(v * w for v, w in itertools.zip_longest(x, x[:1] * 2.0, fillvalue=0.5)) + sum(
         v for (v,) in itertools.zip_longest(a[0])) * x[0]
@@ -174,6 +195,8 @@ def cases():
         "S201 at `truncated`: np.vectorize gives all results the type of the first one, which is not seen to be a "
         "float: say the type, np.vectorize(f, otypes=[float]), or write a comprehension: np.array([f(v) for v in x])"))
     yield Case(sorted_and_grouped, (X.copy(), A.copy()), ("x", "a"))
+    yield Case(items_in_their_turn, (X.copy(), A.copy()), ("x", "a"))
+    yield Case(groups_that_are_gone, (X.copy(), A.copy()), ("x",))
     yield Case(of_different_lengths, (X.copy(), A.copy()), ("x", "a"))
     yield Case(on_the_diagonal, (X.copy(), A.copy()), ("x", "a"))
     yield Case(letters, (X.copy(), "abcb"), ("x",))

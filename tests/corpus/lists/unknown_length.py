@@ -1,6 +1,8 @@
 """Lists of which only the run knows how long they become."""
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 
 from tests.corpus import Case
@@ -466,6 +468,15 @@ def pairs_joined(x):
     return sum(a * b * b for a, b in [(x[0], x[1])] + [(v, v * v) for v in x if v > 0.5])
 
 
+def added_to_a_deque(x):
+    last = deque([x[0]], maxlen=2)
+    for v in x:
+        if v > 0.5:
+            last.append(v)
+    last.extend([v * 2.0 for v in x if v > 0.6])
+    return sum(last)
+
+
 def stacked_along_an_axis(x):
     def both(v):
         return np.array([v[0] * v[1], np.sin(v[2]) + v[3]])
@@ -499,3 +510,6 @@ def cases():
                "write a while loop: while k < len(us)")
     yield Case(part_that_changes, (X,), "x", refused="S201 at `h[:-1]`: a part of a list that changes while it is "
                "gone through: allocate an array before and fill it in a for loop")
+    yield Case(added_to_a_deque, (X,), "x", refused=(
+        "S201 at `last.extend([v * 2.0 for v in x if v > 0.6])`: a list whose length is not known before the run holds "
+        "objects, or is added to a deque: append to the other one item by item"))

@@ -5,15 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from s2sad.evaluate.specialize.sequences.array_laws import LAWS, Shape, shape
 from s2sad.evaluate.specialize.values import NONE, Data, SliceValue, TupleValue, Value
 from s2sad.read.outside_values import library_value
 
+Shape = tuple["int | None", ...]
 _LIKE = ("zeros_like", "ones_like", "empty_like", "full_like", "copy", "array", "asarray", "ascontiguousarray",
-         "clip", "astype", "conj", "round", "abs", "absolute", "nan_to_num", "square")
+         "cumsum", "flip", "roll", "clip", "sort", "astype", "conj", "round", "abs", "absolute", "nan_to_num", "square")
 _REDUCTIONS = ("sum", "mean", "prod", "max", "min", "amax", "amin", "std", "var", "any", "all", "argmax", "argmin")
 _NUMBERS = ("builtins.float", "builtins.int", "builtins.bool", "builtins.len")
 _FILLED = ("zeros", "ones", "empty", "full")
+
+
+def shape(value: Value) -> Shape | None:
+    """The shape of a value, as far as it is known; () of a number."""
+    if not isinstance(value, Data):
+        return None
+    return () if value.is_known and isinstance(value.known, (bool, int, float, complex)) else value.shape
 
 
 def origins(*values: Value) -> frozenset[str]:
@@ -54,6 +61,8 @@ def of_call(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> 
         return broadcast(*args)
     if name in _FILLED and args:
         return lengths(args[0])
+    if name == "cumsum" and len(shape(args[0]) or (0, 0)) != 1:
+        return None
     if name in _REDUCTIONS and args:
         return _reduced(shape(args[0]), args[1:], keywords)
     if name == "einsum" and args and isinstance(args[0], Data) and isinstance(args[0].known, str):
@@ -64,8 +73,6 @@ def of_call(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> 
         return (len(range(*(a.known for a in args))),)  # pyright: ignore
     if name == "linspace" and len(args) == 3 and isinstance(args[2], Data) and type(args[2].known) is int:
         return (args[2].known,)
-    if path in LAWS:
-        return LAWS[path](args, keywords)
     value = library_value(path)
     if getattr(value, "nin", 0) and getattr(value, "nout", 0) == 1 and getattr(value, "signature", None) is None:
         return None if keywords else broadcast(*args)
@@ -108,7 +115,7 @@ def lengths(value: Value) -> Shape | None:
 
 
 def of_part(base: Data, place: Value) -> Shape | None:
-    """The shape of `base[place]`, of slices and numbers, or of slices and an array with one axis."""
+    """The shape of `base[place]`, of slices and numbers."""
     whole = shape(base)
     places = place.items if isinstance(place, TupleValue) else (place,)
     taken = [p for p in places if not _is_new(p)]
@@ -116,9 +123,6 @@ def of_part(base: Data, place: Value) -> Shape | None:
         return None
     found: list[int | None] = []
     axes = iter(whole)
-    picks = [p for p in taken if isinstance(p, Data) and len(p.shape or ()) == 1]
-    if picks and (len(picks) > 1 or any(not isinstance(p, SliceValue) for p in taken if p is not picks[0])):
-        return None
     for p in places:
         if _is_new(p):
             found.append(1)
@@ -126,8 +130,6 @@ def of_part(base: Data, place: Value) -> Shape | None:
         n = next(axes)
         if isinstance(p, SliceValue):
             found.append(_length(n, p))
-        elif any(p is one for one in picks):
-            found.append(None)
         elif not (isinstance(p, Data) and (type(p.known) is int or p.shape == ())):
             return None
     return (*found, *axes)
@@ -155,6 +157,3 @@ def of_method(base: Data, name: str, args: Sequence[Value], keywords: Mapping[st
         found = lengths(args[0] if len(args) == 1 else TupleValue(tuple(args)))
         return found if found is not None and all(n is not None and n >= 0 for n in found) else None
     return None
-
-
-__all__ = ["Shape", "broadcast", "lengths", "of_call", "of_method", "of_part", "origins", "shape"]

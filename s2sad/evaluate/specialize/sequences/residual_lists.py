@@ -72,9 +72,9 @@ def _popped(ev: Evaluator, base: Data, place: Value, node: AST) -> Value:
 def extend_residual(ev: Evaluator, old: Data, value: Value, s: Any, f: Frame) -> None:
     """What `old += value` and `old.extend(value)` leave of a residual list, which stays the one that it is."""
     if isinstance(value, Data) and not value.is_known and value.count is None:
-        if value.rows is not None and value.rows.form:
-            raise ev.refusal(s, "objects of a list whose length is not known before the run are added to another one",
-                             help="append to it item by item")
+        if value.rows is not None and value.rows.form or old.rows is not None and old.rows.most is not None:
+            raise ev.refusal(s, "a list whose length is not known before the run holds objects, or is added to a deque",
+                             help="append to the other one item by item")
         whole, place = ev.named(value, "added", s), ev.fresh("k")
         taken = tree.index(tree.copy(whole.node), tree.name(place))
         added = tree.Call(tree.attribute(tree.copy(old.node), "append"), [taken], [])
