@@ -11,7 +11,7 @@ from s2sad import tree
 from s2sad.diagnostics import S2sadError
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
-from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins, shape
+from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, of_call, origins, shape
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     UNKNOWN, Data, LibraryValue, ObjectValue, OpaqueValue, Reference, TupleValue, Value, constant, demands_of,
@@ -99,7 +99,8 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
         refuse_no_number(ev, value, getattr(node, operand, node))
     if isinstance(op, tree.Pow) and isinstance(right, Data) and right.is_signed:     # an array's integers have no such
         right = Data(tree.call(ev.library("builtins.float"), ev.spelled(right, node)), shape=right.shape)
-    found_shape = None if isinstance(op, tree.MatMult) else broadcast(*(_as_row(ev, v) for v in (left, right)))
+    rows = [_as_row(ev, v) for v in (left, right)]
+    found_shape = of_call("numpy.matmul", rows, {}) if isinstance(op, tree.MatMult) else broadcast(*rows)
     return Data(tree.at(tree.BinOp(ev.spelled(left, node), op, ev.spelled(right, node)), node), demands=demands,
                 shape=found_shape, origins=origins(left, right),
                 is_list=_gives_list(op, left, right))

@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from s2sad.diagnostics import Report, Source
+from s2sad.evaluate.specialize.evaluator import is_spelled
 from s2sad.evaluate.specialize.values import NONE, Data, SliceValue, TupleValue, Value
+from s2sad.infer.inference import Typing
+from s2sad.infer.types import FLOAT, INT, Type, array
 from s2sad.read.outside_values import library_value
+from s2sad.tree import AST, Call, const, keyword, name as name_of, tuple_of
 
 Shape = tuple["int | None", ...]
 _LIKE = ("zeros_like", "ones_like", "empty_like", "full_like", "copy", "array", "asarray", "ascontiguousarray",
@@ -14,6 +19,8 @@ _LIKE = ("zeros_like", "ones_like", "empty_like", "full_like", "copy", "array", 
 _REDUCTIONS = ("sum", "mean", "prod", "max", "min", "amax", "amin", "std", "var", "any", "all", "argmax", "argmin")
 _NUMBERS = ("builtins.float", "builtins.int", "builtins.bool", "builtins.len")
 _FILLED = ("zeros", "ones", "empty", "full")
+_SORTED = ("cumsum", "sort")        # along None as a vector
+_NOWHERE = Source("", "")
 
 
 def shape(value: Value) -> Shape | None:
@@ -61,13 +68,12 @@ def of_call(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> 
         return broadcast(*args)
     if name in _FILLED and args:
         return lengths(args[0])
-    if name == "cumsum" and len(shape(args[0]) or (0, 0)) != 1:
-        return None
     if name in _REDUCTIONS and args:
         return _reduced(shape(args[0]), args[1:], keywords)
     if name == "einsum" and args and isinstance(args[0], Data) and isinstance(args[0].known, str):
         return _contracted(args[0].known, args[1:])
-    if name in _LIKE and args and not keywords.keys() & {"axis", "shape", "ndmin"}:
+    flattens = name == "cumsum" and len(shape(args[0]) or (0, 0)) != 1 or name in _SORTED and len(args) > 1
+    if name in _LIKE and args and not flattens and not keywords.keys() & {"axis", "shape", "ndmin"}:
         return shape(args[0])
     if name == "arange" and not keywords and all(isinstance(a, Data) and type(a.known) is int for a in args):
         return (len(range(*(a.known for a in args))),)  # pyright: ignore
@@ -76,7 +82,38 @@ def of_call(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> 
     value = library_value(path)
     if getattr(value, "nin", 0) and getattr(value, "nout", 0) == 1 and getattr(value, "signature", None) is None:
         return None if keywords else broadcast(*args)
-    return broadcast(*args) if name == "where" and len(args) == 3 else None
+    return broadcast(*args) if name == "where" and len(args) == 3 else inferred(path, args, keywords)
+
+
+def inferred(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> Shape | None:
+    """A shape of as many axes as the type of what a function gives has, whatever numbers it is given; the lengths of
+    1 that np.squeeze leaves out are not known here."""
+    if path == "numpy.squeeze" and len(args) == 1 and not keywords:
+        return None
+    ranks = set[int]()
+    for number in (FLOAT, INT):
+        table: dict[str, Type] = {}
+        given = [_operand(a, number, table) for a in args]
+        options = {k: _operand(v, number, table) for k, v in keywords.items()}
+        if None in given or None in options.values():
+            return None
+        made = Call(name_of(path), given, [keyword(k, v) for k, v in options.items()])
+        found = Typing(table, lambda *_: (), Report(_NOWHERE), {}).of(made)
+        ranks |= {found.rank or 0} if found.is_array or found.is_number else set()
+    return (None,) * ranks.pop() if len(ranks) == 1 else None
+
+
+def _operand(value: Value, number: Type, table: dict[str, Type]) -> AST | None:
+    """An operand of a known number of axes under a name in the table of types; what is known as it is."""
+    if isinstance(value, TupleValue):
+        items = [_operand(v, number, table) for v in value.items]
+        return None if None in items else tuple_of(*items)  # pyright: ignore[reportArgumentType]
+    if isinstance(value, Data) and value.is_known and is_spelled(value.known):
+        return const(value.known)
+    if not isinstance(value, Data) or value.shape is None:
+        return None
+    table[found := f"x{len(table)}"] = array("float64", len(value.shape)) if value.shape else number
+    return name_of(found)
 
 
 def _reduced(whole: Shape | None, args: Sequence[Value], keywords: Mapping[str, Value]) -> Shape | None:
@@ -115,11 +152,13 @@ def lengths(value: Value) -> Shape | None:
 
 
 def of_part(base: Data, place: Value) -> Shape | None:
-    """The shape of `base[place]`, of slices and numbers."""
+    """The shape of `base[place]`, of slices and numbers, or of slices and an array with one axis."""
     whole = shape(base)
     places = place.items if isinstance(place, TupleValue) else (place,)
     taken = [p for p in places if not _is_new(p)]
     if whole is None or len(taken) > len(whole):
+        return None
+    if any(map(_picks, taken)) and sum(isinstance(p, SliceValue) for p in taken) < len(taken) - 1:
         return None
     found: list[int | None] = []
     axes = iter(whole)
@@ -130,9 +169,15 @@ def of_part(base: Data, place: Value) -> Shape | None:
         n = next(axes)
         if isinstance(p, SliceValue):
             found.append(_length(n, p))
+        elif _picks(p):
+            found.append(None)
         elif not (isinstance(p, Data) and (type(p.known) is int or p.shape == ())):
             return None
     return (*found, *axes)
+
+
+def _picks(place: Value) -> bool:
+    return isinstance(place, Data) and place.shape is not None and len(place.shape) == 1
 
 
 def _is_new(place: Value) -> bool:
