@@ -19,8 +19,8 @@ from s2sad.evaluate.unpacking import ITEMS
 from s2sad.infer.signatures.laws import whole_number
 from s2sad.normalize.context import NormalContext
 from s2sad.tree import (
-    AST, Assert, BoolOp, Constant, For, FunctionDef, GtE, LtE, Or, at, compare, const, copy, dump, names, stored_names,
-    walk_statements, with_body,
+    AST, Assert, BoolOp, Break, Constant, Continue, For, FunctionDef, GtE, LtE, Or, Return, at, compare, const, copy,
+    dump, names, stored_names, walk_statements, with_body,
 )
 
 
@@ -47,9 +47,14 @@ def _counts_items(statement: AST) -> bool:
 
 
 def _guards(loop: AST) -> list[tuple[AST, AST]]:
-    """The guards of a loop's body that do not depend on the iteration, each with its test."""
-    bound = {*stored_names(loop)}
-    return [(s, s.test) for s in loop.body if _counts_items(s) and bound.isdisjoint(names(s.test))]
+    """The guards that each iteration comes to, and that do not depend on it, each with its test."""
+    bound, found = {*stored_names(loop)}, list[tuple[AST, AST]]()
+    for statement in loop.body:
+        if any(isinstance(s, (Break, Continue, Return)) for s in walk_statements([statement])):
+            break
+        if _counts_items(statement) and bound.isdisjoint(names(statement.test)):
+            found.append((statement, statement.test))
+    return found
 
 
 def _movable(loop: For) -> list[AST]:
