@@ -15,7 +15,7 @@ PLACE = "k % 4"
 ARRAYS = (f"x * y[{PLACE}]", "w", "w[::-1]", "x.copy()", f"np.sin(x) + y[{PLACE}]", "w * (s + 1.0)")
 STORES = ("z[0] += 1.0", "w[1] *= 1.1", "z = z + 1.0", "x[2] += 0.1")
 TESTS = (f"y[{PLACE}] > 0.8", f"z[0] > y[{PLACE}]", "k > 1")
-BINDINGS = ("z", "z.copy()", "z[::-1]", "z * 2.0", "w + x")
+BINDINGS = ("z", "w", "z.copy()", "z[::-1]", "z * 2.0", "w + x")
 INSIDE = ("break", "z[1] = 0.5", "best[0] = z[1] * 3.0", "continue")
 LATER = ("z[0] += 1.0", "s += z[1]", "w[0] = s", "s += 0.3")
 BEHIND = ("s += np.sum(best ** 2)", "best[0] = 2.0", "s += best[0] * x[1]", "w[0] = 3.0")

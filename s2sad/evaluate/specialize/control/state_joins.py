@@ -128,7 +128,8 @@ class Join:
     def bound_on(self, there: Sequence[tuple[Way, Value]], wanted: str, tests: Sequence[AST | None] = ()) -> Value:
         """The value for those of some ways, which the others do not have; `tests` say where a way has it."""
         one = there[0][1]
-        if self.begun >= 0 and all(alike(one, v) and self._is_on_all(v) for _, v in there):
+        named = isinstance(one, Data) and not one.is_list      # a name of its own says where it is bound
+        if self.begun >= 0 and not named and all(alike(one, v) and self._is_on_all(v) for _, v in there):
             return one
         inner = [_inner(w.objects, v) for w, v in there]
         if inner[0] is not None and all(i is not None and i[0] == inner[0][0] for i in inner):

@@ -79,6 +79,8 @@ def of_call(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> 
         return (len(range(*(a.known for a in args))),)  # pyright: ignore
     if name == "linspace" and len(args) == 3 and isinstance(args[2], Data) and type(args[2].known) is int:
         return (args[2].known,)
+    if name == "outer" and len(args) == 2 and all(len(shape(a) or ()) == 1 for a in args):
+        return (*(shape(args[0]) or ()), *(shape(args[1]) or ()))
     value = library_value(path)
     if getattr(value, "nin", 0) and getattr(value, "nout", 0) == 1 and getattr(value, "signature", None) is None:
         return None if keywords else broadcast(*args)
