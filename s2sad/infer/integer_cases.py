@@ -8,7 +8,7 @@ from s2sad.infer.affine import Affine, at_most
 Case = tuple[Affine | None, list[Affine]]
 """What the value is, None where nothing is known of it but what holds in this case: forms that are not negative."""
 
-_ZERO, _LAST = Affine(), Affine((), -1)
+_ZERO, _ONE, _LAST = Affine(), Affine((), 1), Affine((), -1)
 
 
 def cases_of(function: str, given: Sequence[Affine], value: Affine) -> list[Case]:
@@ -26,8 +26,9 @@ def cases_of(function: str, given: Sequence[Affine], value: Affine) -> list[Case
                         for j, other in enumerate(given) if j != k]) for k, form in enumerate(given)]
     if function == "builtins.abs" and not rest:
         return [(first, [first]), (first.times(-1), [at_most(first, _LAST)])]
-    if function == "builtins.range" and len(rest) == 2 and not rest[1].terms and rest[1].constant:
-        return _range_length(first, rest[0], rest[1].constant, value)
+    if function == "builtins.range":
+        start, stop, step = (_ZERO, first, _ONE) if not rest else (first, rest[0], *rest[1:], _ONE)[:3]
+        return [] if step.terms or not step.constant else _range_length(start, stop, step.constant, value)
     if len(rest) != 1:
         return []
     second, = rest

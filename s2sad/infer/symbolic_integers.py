@@ -153,7 +153,7 @@ class Sizes(ABC):
         if call_name(node) in ("builtins.min", "builtins.max"):
             return (all if call_name(node) == "builtins.min" else any)(map(self._is_never_negative, node.args))
         number = whole_number(node)
-        return _is_size(node) if number is None else number >= 0
+        return (call_name(node) == "builtins.len" or _is_size(node)) if number is None else number >= 0
 
     def expression(self, size: Affine, reduced: bool = True) -> AST:
         """The size as an expression."""

@@ -17,8 +17,9 @@ from __future__ import annotations
 
 from s2sad.infer.list_arrays import LISTED, MARKS, filled_part, growing_capacity, list_arrays
 from s2sad.normalize.live_range_splitting import LiveRanges
-from s2sad.normalize.lists.capacity import Capacity, IndexIntervals, sink_empty_lists
+from s2sad.normalize.lists.capacity import Capacity, sink_empty_lists
 from s2sad.normalize.lists.list_columns import list_columns
+from s2sad.normalize.lists.list_lengths import ListLengths
 from s2sad.normalize.lists.list_homes import bindings_of, holds_lists, list_homes
 from s2sad.normalize.lists.list_statements import (
     appended_list, as_arrays, changed_inside, grown_lists, is_first, operands, popped_list, unfilled,
@@ -29,10 +30,10 @@ from s2sad.evaluate.scope import KernelScope
 from s2sad.liveness import base_name
 from s2sad.normalize.views.views_without_axes import makes_view
 from s2sad.tree import (
-    AST, Add, Assign, Attribute, BoolOp, Break, Call, Constant, Continue, Eq, For, FunctionDef, Gt, If,
-    IfExp, List, Name, Not, Raise, Return, Slice, Store, Sub, Subscript, Tuple, USub, UnaryOp, add, assign, at,
+    AST, Add, Assign, Attribute, BoolOp, Call, Eq, FunctionDef, Gt, If,
+    IfExp, List, Name, Not, Raise, Slice, Store, Sub, Subscript, Tuple, UnaryOp, add, assign, at,
     augment,
-    call, call_name, compare, const, copy, head_copy, index, indices, name, rebuild, stored_names, sub,
+    call, call_name, compare, const, copy, head_copy, index, indices, name, rebuild, sub,
     walk, walk_statements,
 )
 
@@ -82,7 +83,8 @@ def _with_own_names(function: FunctionDef, scope: KernelScope) -> FunctionDef:
 class _GrowingLists:
     def __init__(self, tree: FunctionDef, scope: KernelScope, escaping: list[str], appended: set[str | None]):
         self.tree, self.scope, self.escaping = tree, scope, escaping
-        self.intervals, self.capacity = IndexIntervals(tree), Capacity(tree, scope, appended_list)
+        self.capacity = Capacity(tree, scope, appended_list)
+        self.intervals = self.capacity.intervals
         self.appended = appended        # names that the text appends to, not a comprehension
         self.as_arrays, self.changed_inside, self.operands = as_arrays(tree), changed_inside(tree), operands(tree)
         self.made: dict[str, Assign] = {}
@@ -113,12 +115,13 @@ class _GrowingLists:
             self.refills |= {id(s): found for s in bound[1:]}
             self.sizes[found] = None if bound[1:] else self.capacity.of(found, bound[0])
         self.scope.report.finish()
+        self.lengths = ListLengths(self.tree, self.made, self.capacity)
         new = copy(self.tree)
-        new.body = self.block(self.tree.body, [])
+        new.body = self.block(self.tree.body)
         return new
 
-    def block(self, block: list[AST], loops: list[AST]) -> list[AST]:
-        return [at(made, s) for s in block for made in self.statement(s, loops)]
+    def block(self, block: list[AST]) -> list[AST]:
+        return [at(made, s) for s in block for made in self.statement(s)]
 
     def refuse_rebound(self, found: str) -> None:
         place = next(s for s in walk(self.tree.body) if appended_list(s) == found or popped_list(s) == found)
@@ -128,14 +131,14 @@ class _GrowingLists:
         else:
             self.scope.refuse(place, f"{found!r} is a list that a comprehension binds anew", help=_REBOUND)
 
-    def statement(self, statement: AST, loops: list[AST]) -> list[AST]:
+    def statement(self, statement: AST) -> list[AST]:
         appended = appended_list(statement)
         if appended in self.made:
             count = self.counts[appended]
             item = statement.value.args[0]
             item = call(_LIST, item) if isinstance(item, Name) and item.id in self.made else marked(item)
             known = self.sizes.get(appended) is not None and appended not in self.popped
-            place = known and self.append_index(appended, loops) or name(count)
+            place = known and self.lengths.append_index(appended) or name(count)
             return [assign(index(name(appended), place), self.read(item)), augment(count, Add(), const(1))]
         target = statement.targets[0] if isinstance(statement, Assign) else None
         if isinstance(target, Subscript) and isinstance(target.value, Name) and target.value.id in self.made:
@@ -155,7 +158,7 @@ class _GrowingLists:
         for field in statement._fields:
             inner = getattr(statement, field)
             if field in ("body", "orelse"):
-                setattr(new, field, self.block(inner, [*loops, statement]))
+                setattr(new, field, self.block(inner))
             elif field == "test":
                 new.test = self.test(inner)
             elif isinstance(inner, AST):
@@ -163,19 +166,6 @@ class _GrowingLists:
             elif isinstance(inner, list):
                 setattr(new, field, [self.read(i) if isinstance(i, AST) else i for i in inner])
         return [new]
-
-    def append_index(self, appended: str, loops: list[AST]) -> AST | None:
-        """The index of an append by its loop's counter, where each iteration appends once and nothing else does."""
-        inner = [node for node in loops if not any(n is self.made[appended] for n in walk(node))]
-        loop = inner[0] if len(inner) == 1 and isinstance(inner[0], For) else None
-        alone = len(self.capacity.appends(self.tree.body, appended)) == 1
-        if loop is None or not alone or call_name(loop.iter) != "builtins.range" or len(loop.iter.args) != 1:
-            return None
-        jumps = any(isinstance(n, (Break, Continue, Return)) for n in walk_statements(loop.body))
-        if jumps or not isinstance(loop.target, Name) or loop.target.id in stored_names(loop.body):
-            return None
-        first = len(self.made[appended].value.elts)
-        return add(name(loop.target.id), const(first)) if first else name(loop.target.id)
 
     def allocation(self, bound: str, statement: Assign) -> list[AST]:
         """The array in place of the list, as large as its capacity, with what it starts with."""
@@ -215,6 +205,12 @@ class _GrowingLists:
         """How long a list is."""
         count = name(self.counts[listed])
         return sub(count, name(self.firsts[listed])) if listed in self.firsts else count
+
+    def filled_length(self, node: Subscript) -> AST | None:
+        """How long the array of a list is, if that is how long the list is where one of its items is read."""
+        known = self.sizes.get(node.value.id) is not None and self.lengths.is_filled(node) and not isinstance(
+            indices(node)[0], UnaryOp)
+        return call("builtins.len", name(node.value.id)) if known else None
 
     def items(self, listed: str) -> AST:
         """The part of its array that a list is."""
@@ -279,12 +275,14 @@ class _GrowingLists:
             return at(index(self.items(node.value.id), self.read(place)), node)
         if len(indices(node)) > 1 or isinstance(place, Slice):
             self.scope.refuse(node, "a part of a list", help=HELP)
-        if isinstance(place, UnaryOp) and isinstance(place.op, USub) and isinstance(place.operand, Constant):
+        inside, first = self.lengths.is_inside(node), self.firsts.get(node.value.id)
+        if inside and isinstance(place, UnaryOp):
             found: AST = sub(count, place.operand)
         else:
             found = self.read(place)
-            if not self.intervals.is_nonnegative(place):
-                found = call("runtime.element", found, self.length(node.value.id))
-            found = add(name(self.firsts[node.value.id]), found) if node.value.id in self.firsts else found
+            if not self.intervals.is_nonnegative(place) or not (inside or self.lengths.is_fixed(node.value.id)):
+                found = call("runtime.element", found, self.lengths.exact(node) or self.filled_length(node)
+                             or self.length(node.value.id))
+            found = add(name(first), found) if first else found
         array = filled_part(node.value, copy(count)) if isinstance(node.ctx, Store) else node.value
         return at(index(array, found), node)

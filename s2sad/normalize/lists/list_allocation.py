@@ -6,7 +6,7 @@
             rows.append(x[:] * k)               for k in range(n):
         return rows[0][1] + rows[-1][0]             rows[k] = x[:] * k
                                                     rows_count += 1
-                                                return rows[0][1] + rows[rows_count - 1][0]
+                                                return rows[element(0, len(rows))][1] + rows[element(-1, rows_count)][0]
 
 Requires structured form and types; establishes that no array has the type of a list. The sizes of a row are those of an
 array in what is stored first, which must be bound where the list is made, itself or, as a name that is bound anew in a

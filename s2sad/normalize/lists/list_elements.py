@@ -188,7 +188,7 @@ def coalesce_names(function: FunctionDef, context: NormalContext) -> FunctionDef
                 made = w                            made[0] = x[k]
                 us.append(made)                     us[k] = made
             return us[0][0]                         us_count += 1
-                                                return us[0][0]
+                                                return us[element(0, len(us))][0]
 
     Requires structured form, where functions that return arrays are written out; establishes that an array which goes
     into a list is seen to be new where it is. Only where there are lists.

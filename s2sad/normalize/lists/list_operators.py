@@ -7,7 +7,7 @@ does it.
             t.append((x[k], 2.0))           for k in range(n):
         u = t[0] + t[1]                         t[k] = np.array((x[k], 2.0))
         return u[3] * x[0]                      t_count += 1
-                                            u = np.concatenate((t[0], t[1]))
+                                            u = np.concatenate((t[element(0, len(t))], t[element(1, len(t))]))
                                             return u[3] * x[0]
 
 Requires structured form and types, and that `growing` has left marks (MARKS) on such rows: in the array in place of a
