@@ -18,8 +18,9 @@ from collections.abc import Callable
 from functools import reduce
 
 from s2sad.evaluate.argument_binding import user_call
-from s2sad.evaluate.effects import Memory, parameters
+from s2sad.evaluate.effects import parameters
 from s2sad.evaluate.scope import KernelScope
+from s2sad.normalize.lists.list_statements import popped_list
 from s2sad.tree import (
     AST, Add, Assign, Attribute, BinOp, Constant, For, FunctionDef, If, List, Mod, Mult, Name, Store, Sub, Subscript,
     USub, UnaryOp, While, add, assign, at, call, call_name, const, copy, head_copy, name, names, stored_names,
@@ -109,7 +110,7 @@ class Capacity:
         """How often the last of the loops runs at most, if that is known at a statement before them."""
         loop = loops[-1]
         found = _sequence_length(self.widest_range(loop.iter)) if isinstance(loop, For) else None
-        if found is None or may_change(found, made, loops, self.function.body, self.scope.memory):
+        if found is None or self.may_change(found, made, loops):
             return None
         return found if self.is_bound_before(found, made) else None
 
@@ -133,6 +134,18 @@ class Capacity:
             return None
         return self.widest_range(loops[0].iter).args[-1]
 
+    def may_change(self, found: AST, made: Assign, loops: list[AST]) -> bool:
+        """Whether what an expression reads may be stored into, or is a list that may get longer or shorter, between the
+        statement that makes a list and the last time that the inner one of the loops around an append, the outermost
+        first, goes by the expression."""
+        first, last, memory = self.order[id(made)], self.order[id(loops[-1])], self.scope.memory
+        again = {id(n) for n in walk(loops[0].body)} if len(loops) > 1 else set()
+        between = [s for s in _statements(self.function.body)
+                   if first < self.order[id(s)] < last or id(s) in again or last < first]
+        lengths = {self.appended(s) or popped_list(s) for s in between}
+        return bool(memory.written([found])) or not lengths.isdisjoint(names(found)) or memory.affected(
+            found, memory.written([*map(own_part, between), *made.value.elts]))
+
     def is_bound_before(self, found: AST, made: Assign) -> bool:
         """Whether what an expression reads is bound before a statement, once."""
         for n in names(found):
@@ -149,16 +162,6 @@ def is_appended_only_after(made: Assign, block: list[AST], appended: Appended) -
     home = next(b for b in _blocks(block) if any(s is made for s in b))
     after = {id(s) for s in _statements(home[home.index(made) + 1:])}
     return all(id(s) in after for s in _statements(block) if appended(s) == made.targets[0].id)
-
-
-def may_change(found: AST, made: Assign, loops: list[AST], body: list[AST], memory: Memory) -> bool:
-    """Whether what an expression reads may be stored into between the statement that makes a list and the last
-    time that the inner one of the loops around an append, the outermost first, goes by the expression."""
-    order = {id(n): k for k, n in enumerate(walk(body))}
-    first, last = order[id(made)], order[id(loops[-1])]
-    again = {id(n) for n in walk(loops[0].body)} if len(loops) > 1 else set()
-    parts = [own_part(s) for s in _statements(body) if first < order[id(s)] < last or id(s) in again or last < first]
-    return bool(memory.written([found])) or memory.affected(found, memory.written([*parts, *made.value.elts]))
 
 
 def _sequence_length(iterable: AST) -> AST | None:

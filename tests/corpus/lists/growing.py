@@ -210,6 +210,20 @@ def rows_stored_into(x):
     return total
 
 
+def room_for_what_a_longer_list_gives(x, n):
+    us = [x[1], x[2]]
+    vs = []
+    for k in range(n):
+        for i in range(3):
+            us.append(np.sin(x[i] * k))
+    for _ in range(len(us) - 1):
+        vs.append(x[0])
+        us.append(x[0])
+    for _ in range(len(us) - 1):
+        vs.append(x[1])
+    return sum(us) * sum(vs)
+
+
 def cases():
     random = generator(7)
     given = 0.3 + 0.7 * random.random((3, 4)), 0.5 + random.random(3), 0.5 + random.random(4)
@@ -229,6 +243,7 @@ def cases():
     yield Case(joined, (np.array([0.7, 1.3, 0.4]),), "x")
     yield Case(repeated, (np.array([0.7, 1.3, 0.4]),), "x")
     yield Case(operands, (np.array([0.7, -1.3, 0.4]),), "x")
+    yield Case(room_for_what_a_longer_list_gives, (np.array([0.7, 1.3, 0.4]), 3), ("x",))
     # refused
     yield Case(repeated_as_often_as_known_when_run, (np.ones(3),), refused=(
         "S201 at `out * len(x)`: repeating no written number of times a list: make it an array with np.array"))
