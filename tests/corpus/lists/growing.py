@@ -243,7 +243,7 @@ def cases():
     yield Case(joined, (np.array([0.7, 1.3, 0.4]),), "x")
     yield Case(repeated, (np.array([0.7, 1.3, 0.4]),), "x")
     yield Case(operands, (np.array([0.7, -1.3, 0.4]),), "x")
-    yield Case(room_for_what_a_longer_list_gives, (np.array([0.7, 1.3, 0.4]), 3), ("x",))
+    yield Case(room_for_what_a_longer_list_gives, (np.array([0.7, 1.3, 0.4]), 4), ("x",))
     # refused
     yield Case(repeated_as_often_as_known_when_run, (np.ones(3),), refused=(
         "S201 at `out * len(x)`: repeating no written number of times a list: make it an array with np.array"))
