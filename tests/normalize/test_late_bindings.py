@@ -2,7 +2,6 @@
 compute what Python computes, raise where it raises, or are refused."""
 from __future__ import annotations
 
-import importlib.util
 from random import Random
 
 import numpy as np
@@ -10,6 +9,7 @@ import pytest
 
 import s2sad
 from tests.harness.engines import running
+from tests.harness.kernel_files import kernel_file
 
 PLACE = "k % 4"
 ARRAYS = (f"x * y[{PLACE}]", "w", "w[::-1]", "x.copy()", f"np.sin(x) + y[{PLACE}]", "w * (s + 1.0)")
@@ -42,12 +42,7 @@ def written(rng):
 
 
 def loaded(path, lines):
-    path.write_text("import numpy as np\n\n\ndef f(x, y, n):\n    s = 0.0\n" + "".join(
-        f"    {line}\n" for line in lines) + "    return s + best[1] * np.sum(x * w)\n")
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.f
+    return kernel_file(path, "f(x, y, n)", ["s = 0.0", *lines], "s + best[1] * np.sum(x * w)")
 
 
 def value_of(function, *arguments):

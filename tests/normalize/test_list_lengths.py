@@ -2,7 +2,6 @@
 computes, or raise where it raises."""
 from __future__ import annotations
 
-import importlib.util
 from random import Random
 
 import numpy as np
@@ -10,6 +9,7 @@ import pytest
 
 import s2sad
 from tests.harness.engines import running
+from tests.harness.kernel_files import kernel_file
 
 ITEMS = ("x[{k} % 4]", "x[0] * s", "np.sin(x[{k} % 4])", "{us}[{at}] * x[1]")
 PLACES = ("0", "1", "3", "-1", "-2", "{k}", "{k} - 1", "{k} + 1", "len({us}) - 1", "n - 1 - {k}", "n - 1", "{k} - 2")
@@ -18,6 +18,84 @@ TESTS = ("{us}", "len({us}) > 1", "not {us}", "len({us}) >= 3 and {us}[2] > 0.4"
 LOOPS = ("range(n)", "range(3)", "range(len({us}))", "range(1, len({us}))", "range(len({us}) - 1)", "range(1, n)",
          "range(min(len({us}), 3))", "range(len({us}) - 2)")
 LEAVING = ("continue", "break")
+
+
+def room_of_another(x, n):
+    us, vs, t, s = [], [], 0.0, 0.0
+    while t < n:
+        us.append(x[0] * t)
+        t += 1.0
+    for k in range(len(us)):
+        vs.append(us[k] ** 2)
+    for k in range(n + 1):
+        s += vs[k]
+    return s
+
+
+def items_of_another(x, n):
+    us, t = [], 0.0
+    while t < n:
+        us.append(x[0] * t)
+        t += 1.0
+    vs = [u ** 2 for u in us]
+    return vs[n - 1] + vs[n]
+
+
+def minus_zero(x, n):
+    us = []
+    for k in range(n):
+        if x[k] > 0.3:
+            us.append(x[k] ** 2)
+    return us[-0] + us[0]
+
+
+def popped_beside_the_test(x, n):
+    us, s = [x[0], x[1], x[2]], 0.0
+    for k in range(n):
+        us.append(x[k] * 0.1)
+    while us[2] < 100.0:
+        s += us.pop() ** 2
+    return s
+
+
+def columns(x, n):
+    ts, s = [], 0.0
+    for k in range(n):
+        if x[k] > 0.4:
+            ts.append((x[k], x[k] ** 2, k))
+    for i in range(len(ts)):
+        a, b, c = ts[i]
+        s += a * b * c
+    for i in range(len(ts) - 1):
+        s += ts[i + 1][0] - ts[i][1]
+    return s + ts[2][1] + ts[-1][0] + ts[n - 2][1]
+
+
+def columns_that_are_none(x, n):
+    us, vs, s = [], [], 0.0
+    for k in range(n):
+        us.append(x[k])
+        if x[k] > 0.4:
+            vs.append(x[k])
+    for i in range(len(us)):
+        s += vs[i] * us[i]
+    return s
+
+
+def shorter_since(x, n):
+    us, vs, s = [], [], 0.0
+    for k in range(n):
+        if x[k] > 0.4:
+            us.append(x[k])
+            vs.append(x[k] ** 2)
+    vs.pop()
+    for i in range(len(us)):
+        s += vs[i]
+    return s
+
+
+WRITTEN = (room_of_another, items_of_another, minus_zero, popped_beside_the_test, columns, columns_that_are_none,
+           shorter_since)
 
 
 class Writer:
@@ -85,12 +163,7 @@ def written(rng):
 
 
 def loaded(path, lines):
-    path.write_text("import numpy as np\n\n\ndef f(x, n):\n    s = 0.3\n" + "".join(
-        f"    {line}\n" for line in lines) + "    return s + x[0] * len(us) + sum(us) + sum(vs)\n")
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.f
+    return kernel_file(path, "f(x, n)", ["s = 0.3", *lines], "s + x[0] * len(us) + sum(us) + sum(vs)")
 
 
 def value_of(function, *arguments):
@@ -129,3 +202,12 @@ def test_items_that_are_there(seed, tmp_path):
             pass
         for n in (4, 0, 1, 2, 3):
             compare(f, derivative, n)
+
+
+@pytest.mark.parametrize("engine_name", ("numpy", "loops"))
+@pytest.mark.parametrize("kernel", WRITTEN)
+def test_written(kernel, engine_name):
+    with running(engine_name) as engine:
+        derivative = s2sad.value_and_gradient(s2sad.differentiate(kernel, engine=engine), "x")
+        for n in (4, 0, 1, 2, 3):
+            compare(kernel, derivative, n)

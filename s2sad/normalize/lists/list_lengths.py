@@ -77,7 +77,7 @@ class ListLengths:
         index, listed, place = indices(node)[0], node.value.id, self.places.get(id(node), _Place())
         least = place.least.get(listed, 0)
         if isinstance(index, UnaryOp) and isinstance(index.op, USub) and isinstance(index.operand, Constant):
-            return index.operand.value <= least
+            return 1 <= index.operand.value <= least
         counter, beyond = _offset(index)
         if counter is None:
             return beyond is not None and 0 <= beyond < least
@@ -126,12 +126,14 @@ class ListLengths:
     def _block(self, block: list[AST], here: _Place, filled: frozenset[str]) -> _Place | None:
         """Notes what holds in a block; what holds behind it, or None if nothing is behind it."""
         for statement in block:
-            self._note(own_part(statement), here, filled)
+            if not isinstance(statement, While):        # asked again when the lists are others
+                self._note(own_part(statement), here, filled)
             after = self._behind(statement, here, filled)
             if after is None:
                 return None
             here = after
-            filled |= {n for n, loop in self.filling.items() if loop is statement}
+            filled |= {n for n, loop in self.filling.items() if loop is statement
+                       and self.made.keys().isdisjoint(names(loop.iter))}       # whose lengths are less than their room
         return here
 
     def _behind(self, s: AST, here: _Place, filled: frozenset[str]) -> _Place | None:
@@ -158,6 +160,8 @@ class ListLengths:
         less = {n for s in walk_statements(loop.body) for n in (popped_list(s) or "", *(
             stored_names([s]) if isinstance(s, Assign) else ())) if n in self.made}
         here = _with(here, dict.fromkeys(less, 0))
+        if isinstance(loop, While):
+            self._note(loop.test, here, filled - less)
         own = {n: 0 for n, filling in self.filling.items() if filling is loop}
         inside = _Place(here.least, self._stops(loop, here, less), {**here.added, **own})
         inside = self._where(loop.test, True, inside) if isinstance(loop, While) else inside

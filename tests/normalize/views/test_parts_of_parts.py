@@ -2,7 +2,6 @@
 compute, for sizes that leave nothing of a part, too."""
 from __future__ import annotations
 
-import importlib.util
 from random import Random
 
 import numpy as np
@@ -10,6 +9,7 @@ import pytest
 
 import s2sad
 from tests.harness.engines import running
+from tests.harness.kernel_files import kernel_file
 
 RAISED = (IndexError, ValueError)
 SIZES = (0, 1, 2, 3, 5)
@@ -32,12 +32,7 @@ WRITTEN = {
 
 
 def loaded(path, lines):
-    path.write_text("import numpy as np\n\n\ndef f(x, n, m):\n    s = 0.0\n" + "".join(
-        f"    {line}\n" for line in lines.splitlines()) + "    return s + np.sum(x)\n")
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.f
+    return kernel_file(path, "f(x, n, m)", ["s = 0.0", *lines.splitlines()], "s + np.sum(x)")
 
 
 def outcome(function, *arguments):
