@@ -160,6 +160,10 @@ class S2sadValueError(S2sadError, ValueError):
     """Raised while the kernel runs: what NumPy, or the kernel itself, would raise ValueError for as well."""
 
 
+class S2sadIndexError(S2sadError, IndexError):
+    """Raised where the kernel would ask for an element that is not there, before anything is written."""
+
+
 class S2sadWarning(UserWarning):
     """Something that is correct and probably not meant."""
 

@@ -50,7 +50,7 @@ from s2sad.passes import Watch, unwatched
 from s2sad.simplify import Effects
 from s2sad.tree import FunctionDef, Name, user_call, walk
 from s2sad.units import Place, UnitDerivative, Unit, Units, check_outlined, loops_that_keep, user_names
-from s2sad.units.bounds import index_limits
+from s2sad.units.bounds import index_facts
 from s2sad.units.nested_derivatives import (
     differentiated_program, nested_call, nested_request, settled, types_of_inner, with_derivative,
 )
@@ -97,7 +97,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     units.memory, units.tape_dtype = request.recording.memory, request.recording.tape_dtype
     if request.engine == "numba":
         compilable(units)
-    limits = index_limits(unit, units) if request.engine == "numba" else None
+    bounds = index_facts(unit, units) if request.engine == "numba" else {}
     if request.mode == "primal":
         parameters = primals(unit, units)
         functions = primal_functions(units, [unit.title])
@@ -110,7 +110,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
                          standalone=request.standalone)
         guards, places = line_table(printed, sources)
         return Generated(printed.text, unit.title, parameters, ("result",), {
-            "guards": guards, "places": places, "index_limits": limits,
+            "guards": guards, "places": places, **bounds,
             "distinct": distinct_functions(functions, printed, units)})
     wanted = DerivativeRequest(request.wrt, expanded(request.of, unit), request.with_primal, split=request.split)
     derived = units.derive(request.mode, unit, wanted)
@@ -118,7 +118,7 @@ def derive(program: Program, request: Request, watch: Watch = unwatched, forms: 
     refuse_unrounded(units)
     made = [f for d in units.derived.values() for f in d.functions]
     found = facts(derived, request, units) | {"unshadowed": missing_shadows(
-        unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges), "index_limits": limits}
+        unit.structure, derived.activity, {*wanted.wrt, *wanted.of}, units.call_edges), **bounds}
 
     functions = primal_functions(units, kernels_called(made, units))
     distinct = distinct_arguments(functions + made, types_of(units))

@@ -327,9 +327,9 @@ class SnapshotLoop:
 
 @dataclass(frozen=True)
 class IndexLimit:
-    """An affine form of the arguments of a call: each term has a parameter's name, an axis, of which the size counts
-    (None for an integer), and a factor."""
-    terms: tuple[tuple[str, int | None, int], ...]
+    """An affine form of the arguments of a call: each term has a parameter's name, what of it counts (None for an
+    integer, the size of an axis, the "least" or the "greatest" element of an array), and a factor."""
+    terms: tuple[tuple[str, int | str | None, int], ...]
     constant: int
 
 

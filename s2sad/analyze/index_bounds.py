@@ -4,17 +4,23 @@
         for i in range(1, n):                   n >= 2 and n > len(x)
             y[i - 1] = x[i] - x[i - 1]          n >= 2 and n - 1 > len(y)
 
+    def g(x, picked):
+        for k in range(len(picked)):        len(picked) >= 1 and max(picked) >= len(x)
+            x[picked[k]] = 0.0              len(picked) >= 1 and min(picked) < -len(x)
+
 Requires types and resolved views. Each access claims that its index is out of bounds; `index_systems.py` says for which
-arguments that can hold. An index that is no affine form, in none of its cases, may be anything. Negative indices count
-from the end, as NumPy's do; slices are never out of bounds.
+arguments that can hold. An index that is no affine form, in none of its cases, may be anything; an element of an array
+of integers that nobody writes is between the least and the greatest of all. Negative indices count from the end, as
+NumPy's do; slices are never out of bounds.
 """
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from dataclasses import replace
 
 from s2sad import rules
+from s2sad.infer.argument_parts import GREATEST, LEAST, Part
 from s2sad.infer.index_systems import Callee, IndexBounds, IndexSystems, apart
 from s2sad.analyze.symbolic_ranges import SymbolicRanges
 from s2sad.infer.affine import Affine, at_most, equals
@@ -24,7 +30,7 @@ from s2sad.infer.signatures.laws import Shape
 from s2sad.infer.path_conditions import CallSite
 from s2sad.tree import (
     AST, And, Assert, Assign, Attribute, BinOp, BoolOp, Call, Compare, Constant, Eq, For, FunctionDef, If, IfExp, Name,
-    Return, Slice, Subscript, While, attribute, call_name, children, const, dump, index, indices, name, names,
+    Return, Slice, Subscript, While, attribute, call, call_name, children, const, dump, index, indices, name, names,
     stored_names, times_bound, user_call, walk_statements,
 )
 
@@ -34,9 +40,12 @@ _CHECKING = frozenset({"numpy.dot", "numpy.matmul", "numpy.outer", "runtime.stac
 _UNKNOWN = IndexBounds(frozenset({()}), {})
 
 
-def index_bounds(function: FunctionDef, typing: Typing, callee: Callee) -> IndexBounds:
-    """The bounds of a function; `callee` gives those of what a call calls, None where nothing is known."""
-    return IndexSearch(function, typing, callee).found() if is_searchable(function, typing) else _UNKNOWN
+def index_bounds(function: FunctionDef, typing: Typing, callee: Callee, written: Set[str]) -> IndexBounds:
+    """The bounds of a function, which stores into the arrays `written`; `callee` gives those of what a call calls, None
+    where nothing is known."""
+    if not is_searchable(function, typing):
+        return _UNKNOWN
+    return IndexSearch(function, typing, callee, written).found()
 
 
 def is_searchable(function: FunctionDef, typing: Typing) -> bool:
@@ -51,12 +60,16 @@ def is_searchable(function: FunctionDef, typing: Typing) -> bool:
 class IndexSearch:
     """Goes through a function, and collects what it asks for."""
 
-    def __init__(self, function: FunctionDef, typing: Typing, callee: Callee):
+    def __init__(self, function: FunctionDef, typing: Typing, callee: Callee, written: Set[str] | None = None):
         self.function, self.typing = function, typing
         stored = Counter(p.id for p in function.args.args) + times_bound(function.body)
         again = {n for n, times in stored.items() if times > 1}
         self.shapes = bare_shapes(function, typing)
-        self.systems = IndexSystems(self.shapes, _symbols(function, typing, again), callee)
+        self.extremes = {} if written is None else {p.id: _extremes(p.id) for p in function.args.args if typing.table[
+            p.id].is_array and typing.table[p.id].holds_integers and p.id not in written}
+        self.systems = IndexSystems(self.shapes, _symbols(function, typing, again) | {
+            symbol: (place, part) for place, p in enumerate(function.args.args) if p.id in self.extremes
+            for symbol, part in zip(self.extremes[p.id], (LEAST, GREATEST))}, callee)
         counters = {s.target.id for s in walk_statements(function.body) if isinstance(s, For)}
         self.several = frozenset(n for n in again - counters if typing.table[n].dtype == "int64")
         self.result: tuple[tuple[Affine, tuple[Affine, ...]], ...] = ()
@@ -65,7 +78,7 @@ class IndexSearch:
     def found(self) -> IndexBounds:
         loops = frozenset(dump(s.target) for s in walk_statements(self.function.body) if isinstance(s, For))
         for self.looking in (False, True):      # what names are bound to is known before anything is asked
-            self.block(self.function.body, CallSite(self.shapes, loops))
+            self.block(self.function.body, CallSite(self.shapes, loops, extremes=self.extremes))
         found = self.systems.weakest()
         if () in found or len(found) > _SYSTEMS:
             return _UNKNOWN
@@ -199,10 +212,12 @@ class IndexSearch:
         return any(isinstance(self.shapes.atoms.get(s), BinOp) for form in forms if form for s, _ in form.terms)
 
     def index(self, node: AST, here: CallSite) -> Affine | None:
-        """The form of an integer; None for an array of indices, an ellipsis, a new axis."""
+        """The form of an integer, any one of an array of them; None for an ellipsis, a new axis."""
         if isinstance(node, Constant) and type(node.value) is not int:
             return None
         kind = self.typing.of(node)
+        if kind.is_array:
+            return here.any_element(node)
         return replace(here, several=self.several).size(node) if kind.is_integer and kind.dtype != "bool" else None
 
     def call(self, node: Call, here: CallSite) -> None:
@@ -231,9 +246,14 @@ def _parts(node: AST, here: CallSite) -> Iterator[tuple[AST, CallSite]]:
             yield part, here
 
 
-def _symbols(function: FunctionDef, typing: Typing, again: set[str]) -> dict[str, tuple[int, int | None]]:
+def _extremes(array: str) -> tuple[str, str]:
+    """The symbols of the least and the greatest element of an array."""
+    return dump(call("builtins.min", name(array))), dump(call("builtins.max", name(array)))
+
+
+def _symbols(function: FunctionDef, typing: Typing, again: set[str]) -> dict[str, tuple[int, Part]]:
     """The symbols of the sizes and integers of a function's parameters, but for those that are bound again."""
-    found: dict[str, tuple[int, int | None]] = {}
+    found: dict[str, tuple[int, Part]] = {}
     for place, parameter in enumerate(function.args.args):
         kind = typing.table[parameter.id]
         if kind.is_array:

@@ -64,7 +64,6 @@ class XlaCall:
         self.given = [*((o.dtype, o.rank) for o in self.operands), *behind]
         self.made = ([(self._own[n].dtype, self._own[n].rank) for n in wrt] if mode == "adjoint" else
                      [*map(_layout, self.outputs)])
-        self._flag = np.zeros(1, np.int64)
 
     def run(self, given: Sequence[np.ndarray], made: Sequence[np.ndarray]) -> None:
         """Fills the results, in Python."""
@@ -77,8 +76,6 @@ class XlaCall:
                 raise ValueError(f"a result of '{self.kernel.name}' is of shape {np.shape(value)}, not {result.shape} "
                                  "as was foreseen")
             result[...] = value
-        check = self.variant.check_indices
-        self._flag[0] = check is None or check.done
 
     def _found(self, values: list[Any], behind: Sequence[np.ndarray]) -> list[Any]:
         kernel = self.kernel
@@ -115,7 +112,7 @@ class XlaCall:
         assert minor is not None
         handler = python_handler(self.run, self.given, self.made, minor)
         compiled = text and compiled_handler(
-            text, getattr(self.variant.module, self.variant.generated.entry), handler, self._flag)
+            text, getattr(self.variant.module, self.variant.generated.entry), handler)
         start = compiled.address if compiled else address(handler)
         needed("jax", "s2sad.jax").ffi.register_ffi_target(name, capsule(start), platform="cpu", api_version=1)
         return self, handler, compiled

@@ -10,7 +10,7 @@
         a0 = y0
         a0[...] = x0
         a1 = float64(x1[0])
-        if not (-a0.shape[0] + 2 < 0 or words(flag, 1)[0] != 0):    an index might be out of bounds
+        if not (-a0.shape[0] + 2 < 0):                      an index might be out of bounds
             return python(frame)
         try:
             kernel(a0, a1)
@@ -32,6 +32,7 @@ from s2sad.bridges import xla_frames
 from s2sad.bridges.bridged_kernel import BridgedKernel
 from s2sad.dispatch.executable import Executable
 from s2sad.dispatch.index_check import condition_text
+from s2sad.infer.argument_parts import GREATEST, LEAST, Part
 from s2sad.interface.selection import RETURN
 from s2sad.program import Parameter
 
@@ -131,8 +132,12 @@ class HandlerText:
         check = self.variant.check_indices
         if check is None:
             return "True"
-        return "False" if check.limits is None else condition_text(check.limits, lambda name, axis: self.names[
-            "primal", name] + (f".shape[{axis}]" if axis is not None else ""))
+        return "False" if check.limits is None else condition_text(check.limits, self._of_value)
+
+    def _of_value(self, name: str, part: Part) -> str:
+        """A size of a value of the kernel's, the least or the greatest of its elements, or the integer itself."""
+        value = self.names["primal", name]
+        return f"{part}({value})" if isinstance(part, str) else value if part is None else f"{value}.shape[{part}]"
 
     def text(self, given: Sequence[tuple[np.dtype, int]], made: Sequence[tuple[np.dtype, int]]) -> str:
         """The handler for arguments and results of these dtypes and ranks."""
@@ -144,7 +149,7 @@ class HandlerText:
             "    if held[1] != 0:", "        return python(frame)",
             f"    x = words(held[9], {len(given)})", f"    y = words(held[14], {len(made)})",
             *(f"    {line}" for line in (*views, *self.lines[:count])),
-            f"    if not ({self.bounds()} or words(flag, 1)[0] != 0):", "        return python(frame)",
+            f"    if not ({self.bounds()}):", "        return python(frame)",
             "    try:", *(f"        {line}" for line in self.lines[count:]),
             "    except Exception:", "        return python(frame)", "    return 0", ""])
 
@@ -158,10 +163,10 @@ def _dtype(kind: np.dtype) -> str:
     return "bool_" if kind.name == "bool" else kind.name
 
 
-def compiled_handler(text: str, kernel: Callable[..., Any], python: Any, flag: np.ndarray) -> Any:
-    """The handler of a text; it hands to `python` what it cannot do, until `flag` is set what might leave arrays."""
+def compiled_handler(text: str, kernel: Callable[..., Any], python: Any) -> Any:
+    """The handler of a text; it hands to `python` what it cannot do, and what might leave arrays."""
     numba = importlib.import_module("numba")
-    space = {**_tools(), "kernel": kernel, "python": _as_integers(python), "flag": flag.ctypes.data}
+    space = {**_tools(), "kernel": kernel, "python": _as_integers(python)}
     exec(text, space)  # noqa: S102
     return numba.cfunc(numba.int64(numba.int64))(space["handler"])
 
@@ -188,6 +193,20 @@ def _tools() -> dict[str, Any]:
         return carray(pointer(address), count, np.int64)
 
     @numba.njit
+    def least(array):
+        found = 0
+        for k, element in enumerate(array.flat):
+            found = element if k == 0 else min(found, element)
+        return found
+
+    @numba.njit
+    def greatest(array):
+        found = 0
+        for k, element in enumerate(array.flat):
+            found = element if k == 0 else max(found, element)
+        return found
+
+    @numba.njit
     def fill_number(result, value):
         result[0] = value
 
@@ -198,7 +217,8 @@ def _tools() -> dict[str, Any]:
         result[...] = value
 
     space: dict[str, Any] = {"words": words, "carray": carray, "pointer": pointer, "fill_number": fill_number,
-                             "fill_array": fill_array, "copy": np.copy, "zeros_like": np.zeros_like}
+                             "fill_array": fill_array, "copy": np.copy, "zeros_like": np.zeros_like,
+                             LEAST: least, GREATEST: greatest}
     space |= {n: getattr(np, n) for n in ("bool_", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32",
                                           "uint64", "float32", "float64", "complex128")}
     for rank in range(_RANKS + 1):

@@ -48,7 +48,7 @@ _WRITTEN: dict[str, type] = {c.__name__: c for c in (
     Type, PyTree, Parameter, EntrySummary, Recording, Request, Schedule, Snapshots, TextGuard, SourcePlace,
     IndexLimit, RecordedArray, SnapshotLoop)}
 _FACTS = ("wrappers", "stacks", "arena", "taped", "independent", "guards", "places", "folders", "recorded", "loops",
-          "forward", "taken", "tape", "index_limits", "unwritten")
+          "forward", "taken", "tape", "index_limits", "decided_by_integers", "unwritten")
 
 
 class NotSerializable(Exception):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from types import FunctionType, MappingProxyType
 from typing import Any, Protocol, runtime_checkable
@@ -31,6 +32,7 @@ from s2sad.run.progress import Working
 from s2sad.live_objects.registry import GIVEN, RegisteredRule
 from s2sad.run.compiled import chosen, compiled, interpreting, prepare, quiet
 from s2sad.run.exceptions import CAUGHT
+from s2sad.run.line_marks import with_line_marks
 from s2sad.run.module_loader import keep_loaded
 from s2sad.run.overlap import Check, Slot
 from s2sad.live_objects.side_table import side_table
@@ -314,26 +316,45 @@ class ProgramVersion:
                     dict(zip(self.parameters, values)), {}, (), self.arrays_by_name()))
 
     def _run_checked(self, given: Mapping[str, Any], types: tuple[Type, ...], engine: str) -> None:
-        """Runs the primal with bounds checks on copies, once for these types."""
-        key = ("first run", types)
-        if key in self.entries:
-            return
+        """Runs the primal with bounds checks on copies."""
         values = [given[p] for p in self.parameters]
         variant = self.variant(Request("primal", types, (), ()), engine)
-        text = quiet(variant.generated.text)
-        guards = tuple(variant.generated.facts.get("guards", ()))
-        module = compiled(text, variant.generated.entry, bounds=True, user_functions=bool(self.registered),
-                          guards=guards, entries=[variant.generated.entry])
-        keep_loaded(module, self)
-        function = getattr(module, variant.generated.entry)
         copies = dict(zip(self.parameters, self.with_private_copies(values, types)))
         arguments = variant.assemble(copies, {}, (), self.private_outside_arrays(types))
-        prepare(function, arguments, f"'{self.kernel.name}'")
+        function = self._checked(variant, types, arguments)
         try:
             function(*arguments)
         except CAUGHT as error:
             raise variant.failures.meaning(error) from None
-        self.entries[key] = True
+        except IndexError as error:
+            line = self._line_that_raises(variant, given, types)
+            raise variant.failures.of_index(error, line) from None
+
+    def _line_that_raises(self, variant: Executable, given: Mapping[str, Any], types: tuple[Type, ...]) -> int:
+        """The line of the primal's text in which an index is out of bounds for these values."""
+        copies = dict(zip(self.parameters, self.with_private_copies([given[p] for p in self.parameters], types)))
+        line = np.zeros(1, np.int64)
+        arguments = [*variant.assemble(copies, {}, (), self.private_outside_arrays(types)), line]
+        with suppress(IndexError):
+            self._checked(variant, types, arguments, lines=True)(*arguments)
+        return int(line[0])
+
+    def _checked(self, variant: Executable, types: tuple[Type, ...], arguments: list[Any], lines: bool = False
+                 ) -> Callable[..., Any]:
+        """The primal compiled with bounds checks, once for these types; with `lines` one that says where it is."""
+        key = ("checked", types, lines)
+        with COMPILER_LOCK:
+            if key not in self.entries:
+                generated = variant.generated
+                text, guards = quiet(generated.text), tuple(generated.facts.get("guards", ()))
+                module = compiled(with_line_marks(text) if lines else text, generated.entry, bounds=True,
+                                  user_functions=bool(self.registered), guards=() if lines else guards,
+                                  entries=[generated.entry])
+                keep_loaded(module, self)
+                function = getattr(module, generated.entry)
+                prepare(function, arguments, f"'{self.kernel.name}'")
+                self.entries[key] = function
+            return self.entries[key]
 
     def overlap_check(self, types: tuple[Type, ...]) -> Callable[[Sequence[Any]], None] | None:
         """A function that refuses values whose arrays share memory, with another or in themselves, where they are

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from itertools import count
 
 from s2sad.infer.affine import Affine, projected
+from s2sad.infer.argument_parts import GREATEST, Part
 from s2sad.infer.integer_cases import Case, cases_of
 from s2sad.infer.shapes import Shapes
 from s2sad.infer.path_conditions import CallSite
@@ -25,11 +26,11 @@ _OPERATORS = {Mod: "%", FloorDiv: "//"}
 
 @dataclass(frozen=True)
 class IndexBounds:
-    """Systems of forms in the symbols of a function's `parameters` (for each, its position and an axis, None for the
-    integer itself): where one system has no negative form, an index may be out of bounds. `result` has the cases of the
-    integer that is returned, none if it is not known."""
+    """Systems of forms in the symbols of a function's `parameters` (for each, its position and what of it): where one
+    system has no negative form, an index may be out of bounds. `result` has the cases of the integer that is returned,
+    none if it is not known."""
     systems: frozenset[System]
-    parameters: dict[str, tuple[int, int | None]]
+    parameters: dict[str, tuple[int, Part]]
     result: tuple[tuple[Affine, System], ...] = ()
 
     @property
@@ -46,7 +47,7 @@ class IndexSystems:
     """Those of one function. `bindings` has the values of names that are bound several times, each with what holds
     there, `calls` the names that are bound once, to the result of a call."""
     shapes: Shapes
-    parameters: dict[str, tuple[int, int | None]]
+    parameters: dict[str, tuple[int, Part]]
     callee: Callee
     bindings: dict[str, list[tuple[Affine | None, System]]] = field(default_factory=dict)
     calls: dict[str, tuple[str, Call]] = field(default_factory=dict)
@@ -79,7 +80,7 @@ class IndexSystems:
 
     def _always(self, form: Affine) -> bool:
         """Whether a form of parameters is never negative."""
-        return form.constant >= 0 and all(c > 0 and self.parameters[s][1] is not None for s, c in form.terms)
+        return form.constant >= 0 and all(c > 0 and isinstance(self.parameters[s][1], int) for s, c in form.terms)
 
     def split(self, here: CallSite, claim: System) -> list[list[Affine]]:
         """The claim, with what holds at a place, for each way to compute what is no affine form."""
@@ -175,10 +176,15 @@ class IndexSystems:
         return {symbol: self._given(node.args[place], axis, here) or Affine.symbol(
             f"{symbol} of call {next(self._numbers)}") for symbol, (place, axis) in bounds.parameters.items()}
 
-    def _given(self, argument: AST, axis: int | None, here: CallSite) -> Affine | None:
-        """The form of an integer that a call passes, or of the size of an array: a whole one, or rows of one."""
+    def _given(self, argument: AST, axis: Part, here: CallSite) -> Affine | None:
+        """The form of an integer that a call passes, or of the size of an array: a whole one, or rows of one. No row
+        has elements beyond the extremes of the whole."""
         if axis is None:
             return here.size(argument)
+        if isinstance(axis, str):
+            whole = argument.value if isinstance(argument, Subscript) else argument
+            ends = here.extremes.get(whole.id) if isinstance(whole, Name) else None
+            return None if ends is None else Affine.symbol(ends[axis == GREATEST])
         if isinstance(argument, Name):
             return self.shapes.of(argument)[axis]
         if not isinstance(argument, Subscript) or not isinstance(argument.value, Name):

@@ -9,16 +9,20 @@ Requires the normal form of loops: a counter is bound by its loop alone, and not
 """
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from s2sad.infer.affine import Affine, at_most, combined, equals, feasible
 from s2sad.infer.signatures.laws import whole_number
 from s2sad.infer.shapes import Shapes
 from s2sad.tree import (
-    AST, Add, And, BinOp, BoolOp, Call, Compare, Eq, For, Gt, GtE, If, Lt, LtE, Mod, Mult, Name, Not, NotEq, Or, Sub,
-    USub, UnaryOp, While, const, dump, name, names, stored_names, walk, walk_statements,
+    AST, Add, And, BinOp, BoolOp, Call, Compare, Eq, FloorDiv, For, Gt, GtE, If, Lt, LtE, Mod, Mult, Name, Not, NotEq,
+    Or, Sub, Subscript, USub, UnaryOp, While, call_name, const, dump, name, names, stored_names, walk,
+    walk_statements,
 )
 
+_SAME = frozenset({"builtins.int", "numpy.int64", "numpy.intp"})     # of an integer itself
+_BY_CASES = frozenset({"builtins.min", "builtins.max", "builtins.abs", "runtime.element"})
 _NEGATED: dict[type[AST], type[AST]] = {Eq: NotEq, NotEq: Eq, Lt: GtE, GtE: Lt, Gt: LtE, LtE: Gt}
 
 
@@ -34,6 +38,9 @@ class CallSite:
     others: tuple[Affine, ...] = ()
     several: frozenset[str] = frozenset()       # names bound several times that are symbols where they are mentioned
     remainders: dict[str, tuple[Affine, int]] = field(default_factory=dict)     # what the symbol of a quotient divides
+    extremes: Mapping[str, tuple[str, str]] = field(default_factory=dict)       # symbols of the least and the greatest
+    # element of arrays of integers that are never written, and for the symbol of an element of one those two
+    elements: dict[str, tuple[str, str]] = field(default_factory=dict)
 
     def size(self, node: AST) -> Affine | None:
         """The form of an integer expression; None if it may have changed since the loops and branches asked for it."""
@@ -49,8 +56,45 @@ class CallSite:
                 return found
         if isinstance(node, BinOp) and isinstance(node.op, Mod) and (divisor := whole_number(node.right) or 0) > 0:
             return self._remainder(node, divisor)
+        if self.extremes and (found := self._of_elements(node)) is not None:
+            return found
         form = self.shapes.size(node)
         return None if form is None or any(s in self.counting for s, _ in form.terms) else form
+
+    def _of_elements(self, node: AST) -> Affine | None:
+        """The form of an element of an array that is never written, and of what functions make of such."""
+        if isinstance(node, Call) and call_name(node) in _SAME and len(node.args) == 1 and self.shapes.typing.of(
+                node.args[0]).is_integer:
+            return self.size(node.args[0])
+        read = {n.value.id for n in walk(node) if isinstance(n, Subscript) and isinstance(n.value, Name)}
+        if not read & self.extremes.keys():
+            return None
+        if isinstance(node, Subscript):
+            return self._element(node)
+        given = node.args if isinstance(node, Call) and call_name(node) in _BY_CASES else [
+            node.left, node.right] if isinstance(node, BinOp) and isinstance(node.op, (Mod, FloorDiv)) else []
+        lasts = given and read <= self.extremes.keys() and self._lasts(node)
+        return self.shapes.symbol(node) if lasts and all(self.size(g) is not None for g in given) else None
+
+    def _element(self, node: Subscript) -> Affine | None:
+        """The symbol of an element: one for each mention, unless what picks it is what it was at the conditions."""
+        return self.any_element(node.value, dump(node) if self._lasts(node) else "") if self.shapes.typing.of(
+            node).is_number else None
+
+    def any_element(self, array: AST, which: str = "") -> Affine | None:
+        """The symbol of an element of an array that is never written, or of rows of one: a new one unless it is known
+        which; None of any other array."""
+        array = array.value if isinstance(array, Subscript) else array
+        if not isinstance(array, Name) or array.id not in self.extremes:
+            return None
+        self.elements[symbol := f"{which or len(self.elements)} element"] = self.extremes[array.id]
+        return Affine.symbol(symbol)
+
+    def _lasts(self, node: AST) -> bool:
+        """Whether the numbers in an expression are what they were where the conditions of this place were asked."""
+        values, typing = self.shapes.values, self.shapes.typing
+        return all(n in self.counters or typing.of(name(n)).is_array or dump(name(n)) not in self.counting
+                   and n in values and (n in self.bound or values[n] is None) for n in names(node))
 
     def _remainder(self, node: BinOp, divisor: int) -> Affine | None:
         """`a % 3` as a - 3 * q, of which `may` knows that it is from 0 to 2."""
@@ -93,6 +137,9 @@ class CallSite:
         for quotient in sorted({s for form in known for s, _ in form.terms if s in self.remainders}):
             form, divisor = self.remainders[quotient]
             known += [form, at_most(form, Affine((), divisor - 1))]
+        for element in sorted({s for form in known for s, _ in form.terms if s in self.elements}):
+            first, last = map(Affine.symbol, self.elements[element])
+            known += [at_most(first, Affine.symbol(element)), at_most(Affine.symbol(element), last)]
         symbols = sorted({s for form in known for s, _ in form.terms})
         return [*known, *(Affine.symbol(s).shift(-least[s]) for s in symbols if s in least)]
 

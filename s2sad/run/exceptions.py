@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from types import TracebackType
 
-from s2sad.diagnostics import Diagnostic, S2sadError, S2sadValueError
+from s2sad.diagnostics import Diagnostic, S2sadError, S2sadIndexError, S2sadValueError
 from s2sad.program import TextGuard, SourcePlace
 
 CAUGHT = (AssertionError, MemoryError, OSError, SystemError, ValueError)      # the exceptions that may have a `meaning`
@@ -34,6 +34,11 @@ class ExceptionMeanings:
         if type(error) is ValueError and (place := self._place(error.__traceback__)) is not None:
             return S2sadValueError(Diagnostic("S501", str(error), place.span()))
         return error
+
+    def of_index(self, error: IndexError, line: int) -> IndexError:
+        """What to raise for an index out of bounds in a line of the text; the kernel's own exceptions as they are."""
+        place = self.places.get(line)
+        return error if place is None else S2sadIndexError(Diagnostic("S501", str(error), place.span()))
 
     def _place(self, traceback: TracebackType | None) -> SourcePlace | None:
         """Where NumPy raised for a statement of the kernel; None where the kernel itself did, or another function."""

@@ -41,6 +41,10 @@ def array(*shape):
     return np.zeros(shape)
 
 
+def integers(*elements):
+    return np.array(elements, dtype=np.int64)
+
+
 KERNELS = {
     "neighbours": ("""def f(x, y):
     n = len(x)
@@ -157,6 +161,54 @@ def f(x, y):
         x[k // x.shape[1], k % x.shape[1]] = 2.0 * flat[k]
     y[0] = x[0, 0]
 """, [(array(2, 3), array(1)), (array(3, 2), array(2))], [(array(2, 3), array(0))]),
+    "an array of indices": ("def f(x, k):\n    return np.sum(x[k])\n", [
+        (array(3), integers(2, 0, -3))], [(array(3), integers(2, 3)), (array(3), integers(-4))]),
+    "a number times an index, and more": ("""def f(x, k):
+    for i in range(len(k)):
+        at = k[i]
+        x[3 * at + 1, int(at) // 2] = x[at, min(at, x.shape[1] - 1)]
+""", [(array(5, 1), integers(0, 1)), (array(8, 2), integers(2))],
+        [(array(5, 2), integers(2)), (array(8, 1), integers(2))]),
+    "columns of a table": ("""def f(x, triangles):
+    for e in range(triangles.shape[0]):
+        a, b, c = triangles[e]
+        x[triangles[e, 0]] = x[a] + x[b] * x[c]
+""", [(array(3), integers([0, 1, 2], [2, 0, 1]))], [(array(2), integers([0, 1, 2]))]),
+    "rows from one place on to the next": ("""def f(y, data, indices, starts, x):
+    for row in range(len(y)):
+        for k in range(starts[row], starts[row + 1]):
+            y[row] += data[k] * x[indices[k]]
+""", [(array(2), array(3), integers(0, 3, 1), integers(0, 1, 3), array(4))],
+        [(array(2), array(3), integers(0, 3, 1), integers(0, 1, 4), array(4)),
+         (array(2), array(3), integers(0, 3, 1), integers(0, 1), array(4)),
+         (array(2), array(3), integers(0, 3, 4), integers(0, 1, 3), array(4)),
+         (array(2), array(2), integers(0, 3, 1), integers(0, 1, 3), array(4))]),
+    "parts of indices": ("""def f(y, indices, starts, x):
+    for row in range(len(y)):
+        part = indices[starts[row]:starts[row + 1]]
+        for j in range(part.shape[0]):
+            y[row] += x[part[j]]
+""", [(array(2), integers(0, 3, 1), integers(0, 1, 3), array(4))],
+        [(array(2), integers(0, 4, 1), integers(0, 1, 3), array(4))]),
+    "indices that a helper is given": ("""def gather(x, k, n):
+    total = 0.0
+    for i in range(n):
+        total += x[k[i]]
+    return total
+
+
+def f(y, x, k, rows):
+    y[0] = gather(x, k, len(k))
+    for e in range(rows.shape[0]):
+        y[rows[e, 0]] += gather(x, rows[e], 2)
+""", [(array(2), array(3), integers(2, -1), integers([0, 1], [1, 1]))],
+        [(array(2), array(3), integers(3), integers([0, 1])), (array(2), array(3), integers(2), integers([0, 4])),
+         (array(2), array(3), integers(2), integers([2, 1]))]),
+    "an index that is asked": ("""def f(x, k, n):
+    for i in range(len(k)):
+        if k[i] >= 0 and k[i] < len(x):
+            x[k[i]] = 1.0
+""", [(array(3), integers(7, -9), 0)], []),
 }
 
 
@@ -192,8 +244,9 @@ UNKNOWN = {
     for k in range(n * m):
         x[k // m] = 1.0
 """, (array(3), 3, 2)),
-    "an index out of an array": ("def f(x, k):\n    x[k[0]] = 1.0\n", (array(3), np.array([2]))),
-    "an array of indices": ("def f(x, k):\n    return np.sum(x[k])\n", (array(3), np.array([2]))),
+    "an index out of an array that is written": ("def f(x, k):\n    k[0] += 1\n    x[k[0]] = 1.0\n", (
+        array(3), np.array([1]))),
+    "an index made of a float": ("def f(x):\n    x[int(x[0])] = 1.0\n", (array(3),)),
     "a number that a loop counts up": ("""def f(x, y):
     k = 0
     for i in range(x.shape[0]):
