@@ -24,7 +24,8 @@ import numpy as np
 
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.live_objects.code_text import is_generated
-from s2sad.live_objects.guards import ABSENT, class_attribute, taken
+from s2sad.live_objects.guards import ABSENT, class_attribute, reached, taken
+from s2sad.live_objects.unwrap import default_values
 from s2sad.infer.types import DTYPES, FLOAT, INT, Type, misfit_of, of_value
 
 LARGEST = 512                           # leaves: longer lists of numbers are arrays
@@ -153,11 +154,8 @@ def record_fields(made: type) -> tuple[str, dict[str, Any]] | None:
     """The kind of a class whose constructor only fills its fields, and these with their defaults (`...` without one);
     None for any other class."""
     if issubclass(made, tuple) and made.__bases__ == (tuple,) and hasattr(made, "_fields"):
-        defaults, given = taken(made, "attribute", "_field_defaults"), {}
-        for name in taken(made, "attribute", "_fields"):
-            found = taken(defaults, "item", name)
-            given[name] = ... if found is ABSENT else found
-        return "named", given
+        defaults = named_defaults(made)
+        return "named", {name: defaults.get(name, ...) for name in taken(made, "attribute", "_fields")}
     if taken(made, "own", "__dataclass_params__") is ABSENT or class_attribute(made, "__post_init__") is not ABSENT:
         return None
     constructor = taken(made, "own", "__init__")
@@ -169,6 +167,13 @@ def record_fields(made: type) -> tuple[str, dict[str, Any]] | None:
         f.init and not f.kw_only and f.default_factory is dataclasses.MISSING for f in given)
     defaults = {f.name: ... if f.default is dataclasses.MISSING else f.default for f in given}
     return ("record", defaults) if plain else None
+
+
+def named_defaults(made: type) -> dict[str, Any]:
+    """The defaults of a named tuple's fields: those of what makes one, which `_field_defaults` need not know of."""
+    found = class_attribute(made, "__new__")
+    maker = reached(found, "part", "__func__", found.__func__) if isinstance(found, staticmethod) else found
+    return default_values(maker) if isinstance(maker, FunctionType) else {}
 
 
 def _keys(kind: str, value: Any) -> tuple[str | int, ...]:

@@ -3,8 +3,8 @@
     readings of a function     the guards of a reading, in order, each as a description of what was taken there
     its summaries, texts       under the reading's address: a digest of these descriptions
 
-A later process takes the same values on the same ways and compares them with the descriptions: code by what it does and
-its file's text, numbers by value, arrays by type, all else by what it is called. What holds is this process's reading,
+A later process takes the same values on the same ways and compares them with the descriptions
+(`guard_descriptions.py`). What holds is this process's reading,
 and its guards are compared at each call as those of any other. What no description identifies is
 not kept: a process without it derives anew. Entries are texts of a few kinds of literals; nothing in one is executed
 or imported but the generated text itself, which the store vouches for.
@@ -17,16 +17,17 @@ import json
 import os
 import platform
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from functools import cache, wraps
-from types import CodeType, FunctionType, ModuleType
+from types import FunctionType
 from typing import Any, TypeVar
 
 import numpy as np
 
 from s2sad.diagnostics import HOME, warn_once
-from s2sad.live_objects.guards import ABSENT, STEPS, Guards, VaryingNumber, layout, reached, recording, taken
+from s2sad.dispatch.guard_descriptions import NotSerializable, describe_guards, description, replay_guards
+from s2sad.live_objects.guards import Guards, recording
 from s2sad.infer.types import Type
 from s2sad.program import (
     EntrySummary, Generated, IndexLimit, Kernel, Parameter, RecordedArray, Recording, Request, Schedule, SnapshotLoop,
@@ -35,24 +36,17 @@ from s2sad.program import (
 from s2sad.live_objects.registry import GIVEN, is_of_package
 from s2sad.run import store
 from s2sad.pytree import PyTree
-from s2sad.live_objects.code_text import text_of
-from s2sad.live_objects.unwrap import fingerprint
+from s2sad.live_objects.unwrap import default_values, partial_application
 
 T = TypeVar("T")
 ENABLED = True
 _KIND = "derived"
-_LONGEST = 4096         # items of a list: more are not written out
 _READINGS = 8           # of one function: for so many sets of constants
-_FOLLOWING = frozenset(("root", "function", "kernel", "given", "bound"))     # steps that follow from what was taken
 _WRITTEN: dict[str, type] = {c.__name__: c for c in (
     Type, PyTree, Parameter, EntrySummary, Recording, Request, Schedule, Snapshots, TextGuard, SourcePlace,
     IndexLimit, RecordedArray, SnapshotLoop)}
 _FACTS = ("wrappers", "stacks", "arena", "taped", "independent", "guards", "places", "folders", "recorded", "loops",
           "forward", "taken", "tape", "index_limits", "decided_by_integers", "unwritten")
-
-
-class NotSerializable(Exception):
-    """A value that no description identifies in another process."""
 
 
 @dataclass(frozen=True)
@@ -98,13 +92,15 @@ def load_reading(function: FunctionType) -> ReadRecord | None:
     """The reading of a function that holds now."""
     for described, kernel, asks, warned, *held in _readings(_place(function)):
         guards = Guards()
-        values = _replay_guards(described, (function,), guards)
-        if values is not None:
-            arrays, records = ({n: values[k[0]][k[1]] if isinstance(k, tuple) else values[k] for n, k in part}
-                               for part in held)
+        found = replay_guards(described, (function,), guards)
+        if found is not None:
+            arrays, records = ({n: found.at(number) for n, number in part} for part in held)
             for message in warned:
                 warn_once(message)
-            return ReadRecord(_kernel(kernel), asks, arrays, records, guards, _address(described, function), warned)
+            with recording(guards):
+                defaults = default_values(partial_application(function)[0])
+            return ReadRecord(_kernel(kernel, defaults), asks, arrays, records, guards, _address(described, function),
+                              warned)
     return None
 
 
@@ -113,7 +109,7 @@ def store_reading(reading: ReadRecord, function: FunctionType) -> None:
     place = _place(function)
     if place is None or reading.address is None:
         return
-    described, numbers = _describe_guards(reading.guards, (function,))
+    described, numbers = describe_guards(reading.guards, (function,))
     held = (tuple((n, numbers[id(v)]) for n, v in part.items()) for part in (reading.arrays, reading.records))
     entry = (described, _of_kernel(reading.kernel), reading.depends_on_structure, reading.warned, *held)
     others = [e for e in _readings(place) if e[0] != described]
@@ -130,7 +126,7 @@ def address(guards: Guards, function: FunctionType, held: Iterable[Any], kernel:
     if not ENABLED or guards.varying:
         return None
     try:
-        described, numbers = _describe_guards(guards, (function,))
+        described, numbers = describe_guards(guards, (function,))
         _literal(_of_kernel(kernel))
         return _address(described, function) if all(id(v) in numbers for v in held) else None
     except NotSerializable:
@@ -138,24 +134,26 @@ def address(guards: Guards, function: FunctionType, held: Iterable[Any], kernel:
 
 
 def _address(described: Any, function: FunctionType) -> str:
-    key = f"{_surroundings()} {_text(_description(function))} {_text(described)}"
+    key = f"{_surroundings()} {_text(description(function))} {_text(described)}"
     return hashlib.sha256(key.encode()).hexdigest()
 
 
 def _place(function: FunctionType) -> str | None:
     try:
-        return f"readings {_surroundings()} {_text(_description(function))}"
+        return f"readings {_surroundings()} {_text(description(function))}"
     except NotSerializable:
         return None
 
 
 def _of_kernel(kernel: Kernel) -> Any:
-    return (kernel.name, kernel.parameters, kernel.defaults, kernel.annotations, kernel.results, kernel.floats,
+    """A kernel without its text; its defaults are those that the function has where it is loaded."""
+    return (kernel.name, kernel.parameters, tuple(kernel.defaults), kernel.annotations, kernel.results, kernel.floats,
             kernel.independents)
 
 
-def _kernel(kept: Any) -> Kernel:
-    name, parameters, defaults, annotations, results, floats, independents = kept
+def _kernel(kept: Any, values: Mapping[str, Any]) -> Kernel:
+    name, parameters, said, annotations, results, floats, independents = kept
+    defaults = {n: values[n] for n in said}
     return Kernel(name, None, None, parameters, defaults, annotations, results=results,  # pyright: ignore
                   floats=floats, independents=independents)
 
@@ -199,11 +197,11 @@ def load_residual(reading: ReadRecord, function: FunctionType, forms: tuple[Any,
         return None
     described, kernel, warned, held, paths, cells, result, changed, mutated = kept
     guards = Guards()
-    values = _replay_guards(described, (function, *_classes(forms, reading)), guards)
-    if values is None:
+    found = replay_guards(described, (function, *_classes(forms, reading)), guards)
+    if found is None:
         return None
-    arrays = {n: values[k[0]][k[1]] if isinstance(k, tuple) else values[k] for n, k in held}
-    made = ReadRecord(_kernel(kernel), False, arrays, {}, guards, _address((place, described), function), warned)
+    arrays = {n: found.at(number) for n, number in held}
+    made = ReadRecord(_kernel(kernel, {}), False, arrays, {}, guards, _address((place, described), function), warned)
     return KeptResidual(made, paths, frozenset(cells), result, frozenset(changed), frozenset(mutated))
 
 
@@ -213,7 +211,7 @@ def store_residual(reading: ReadRecord, function: FunctionType, forms: tuple[Any
     ours = made.reading
     try:
         place = _residual_place(reading, forms, facts)
-        described, numbers = _describe_guards(ours.guards, (function, *_classes(forms, reading)))
+        described, numbers = describe_guards(ours.guards, (function, *_classes(forms, reading)))
         if place is None or ours.guards.varying or any(id(a) not in numbers for a in ours.arrays.values()):
             return None
         held = tuple((n, numbers[id(a)]) for n, a in ours.arrays.items())
@@ -243,94 +241,7 @@ def _classes(forms: Iterable[Any], reading: ReadRecord) -> tuple[type, ...]:
     return tuple(found | dict.fromkeys(reading.records.values()))
 
 
-# -- guards as descriptions -------------------------------------------------------------------------------------------
-
-def _describe_guards(guards: Guards, roots: Sequence[Any]) -> tuple[tuple[Any, ...], dict[int, Any]]:
-    """What was taken, each as (the number of its holder, step, key, description), and the numbers of the values; those
-    of roots are negative, items of tuples have two. Raises NotSerializable."""
-    numbers: dict[int, Any] = {id(root): -2 - k for k, root in enumerate(roots)} | {id(None): -1}
-    found: list[tuple[Any, ...]] = []
-    for guard in guards.places.values():
-        if guard.step == "root":
-            continue
-        if id(guard.holder) not in numbers:
-            raise NotSerializable
-        found.append((numbers[id(guard.holder)], guard.step, guard.key, _description(guard.value)))
-        numbers.setdefault(id(guard.value), len(found) - 1)
-        for place, item in enumerate(guard.value if type(guard.value) is tuple else ()):
-            numbers.setdefault(id(item), (len(found) - 1, place))
-    return tuple(found), numbers
-
-
-def _replay_guards(described: Any, roots: Sequence[Any], guards: Guards) -> list[Any] | None:
-    """The values that are taken on the ways that are described; None if one of them is not what is described."""
-    values: list[Any] = []
-    with recording(guards):
-        for number, root in enumerate(roots):
-            reached(None, "root", number, root)
-        for holder, step, key, description in described:
-            if step not in STEPS:
-                return None
-            start = values[holder[0]][holder[1]] if isinstance(holder, tuple) else (
-                None if holder == -1 else roots[-2 - holder] if holder < -1 else values[holder])
-            if step in _FOLLOWING or (step, key) in (("attribute", "__func__"), ("attribute", "keywords")):
-                value = STEPS[step](start)(key, ABSENT)
-                reached(start, step, key, value)
-            else:
-                value = taken(start, step, key)
-            try:
-                if _text(_description(value)) != _text(description):
-                    return None
-            except NotSerializable:
-                return None
-            values.append(value)
-    return values
-
-
-def _description(value: Any) -> Any:
-    """The description that identifies a value in another process; raises NotSerializable where nothing does."""
-    if value is ABSENT:
-        return ("absent",)
-    if value is None or isinstance(value, (int, float, complex, str, np.generic)):
-        return "value", type(value).__module__, type(value).__qualname__, _content(value)
-    if type(value) is tuple:
-        if len(value) > _LONGEST:
-            raise NotSerializable
-        return "tuple", *map(_description, value)
-    if isinstance(value, CodeType):
-        return "code", _of_code(value)
-    if isinstance(value, FunctionType):
-        if GIVEN.by_identity.get(id(value)) is not None:
-            raise NotSerializable
-        return "function", value.__module__, value.__qualname__, _of_code(value.__code__)
-    if isinstance(value, ModuleType):
-        return "module", value.__name__
-    if isinstance(value, type):
-        return "class", value.__module__, value.__qualname__
-    if isinstance(value, np.ndarray):
-        dtype, *ones = layout(value)
-        return "array", type(value).__name__, dtype.str, tuple(ones)
-    if isinstance(value, VaryingNumber):
-        raise NotSerializable
-    kind = type(value)
-    names = [n if isinstance(n := getattr(value, a, None), str) else "" for a in ("__module__", "__name__")]
-    return "object", kind.__module__, kind.__qualname__, *(names if callable(value) else ())
-
-
-def _content(value: Any) -> str:
-    """The literal of a number or string, whatever a class of the user's makes of `repr`."""
-    if isinstance(value, np.generic):
-        return f"{value.dtype.str} {value.tobytes().hex()}"
-    plain: Any = next((c for c in (bool, int, float, complex, str) if isinstance(value, c)), type(None))
-    return plain.__repr__(value)
-
-
-def _of_code(code: CodeType) -> str:
-    """What a code object does, where it stands, and the text around it, which generated files quote."""
-    path, text = (code.co_filename, "") if code.co_filename == "<string>" else text_of(code)
-    key = repr((fingerprint(code), path, code.co_firstlineno)) + text
-    return hashlib.sha256(key.encode()).hexdigest()
-
+# -- what a text depends on beside what was taken ----------------------------------------------------------------------
 
 @cache
 def _package() -> str:

@@ -24,7 +24,7 @@ from s2sad.dispatch.executable import Executable, HIDDEN, ManyDirections
 from s2sad.dispatch.index_check import IndexCheck
 from s2sad.dispatch.limited_memory import LimitedMemory
 from s2sad.dispatch.split_executable import SplitExecutable
-from s2sad.live_objects.guards import Guards, Path, VaryingNumber, current, recording
+from s2sad.live_objects.guards import Guards, Path, VaryingNumber, current, recording, same
 from s2sad.infer.types import Type
 from s2sad.live_objects.unwrap import by_position, python_function
 from s2sad.program import EntrySummary, Program, Request
@@ -216,8 +216,10 @@ class ProgramVersion:
         if self._program is not None:
             return (self.registered == compiler().registered_rules(program) and self.unchanged()
                     and compiler().same_program(self._program, program))
-        if artifacts.address(program.guards, self.function, (), self.kernel) != self.reading.address:
-            return False
+        defaults, known = program.kernels[program.entry].defaults, self.kernel.defaults
+        if artifacts.address(program.guards, self.function, (), self.kernel) != self.reading.address or any(
+                n not in known or not same(known[n], value) for n, value in defaults.items()):
+            return False    # an address does not tell one list from another
         self._program = program
         return True
 

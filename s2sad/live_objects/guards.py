@@ -11,6 +11,7 @@ not be followed again.
 from __future__ import annotations
 
 import builtins
+import dataclasses
 import math
 import operator
 import sys
@@ -50,6 +51,23 @@ def _keywords(function: FunctionType) -> Getter:
     return get
 
 
+def _annotations(function: FunctionType) -> Getter:
+    """The words for the types of parameters, whatever objects stand there."""
+    def get(name: str, default: Any) -> Any:
+        found = function.__annotations__.get(name, ABSENT)
+        return default if found is ABSENT else found.__name__ if isinstance(found, type) else str(found)
+    return get
+
+
+def _field(made: Any) -> Getter:
+    """What a dataclass has for a field: its default, what makes it, whether it is given, by name, and compared."""
+    def get(name: str, default: Any) -> Any:
+        found = made.__dataclass_fields__.get(name)
+        return default if found is None else (found.default, found.default_factory, found.init, found.kw_only is True,
+                                              found.compare)
+    return get
+
+
 def _own(holder: Any) -> Getter:
     """What a module, class or object holds itself; an object's dictionary may be replaced."""
     if isinstance(holder, (type, ModuleType)):
@@ -65,8 +83,14 @@ STEPS: dict[str, Callable[[Any], Getter]] = {
     "cell": _cells,
     "code": lambda function: lambda *_: function.__code__,
     "keyword": _keywords,
+    "annotation": _annotations,
+    "fields": lambda made: lambda *_: tuple(d.name for d in dataclasses.fields(made)),
+    "field": _field,
+    "members": lambda made: lambda *_: tuple(made.__members__.values()),
+    "combined": lambda made: lambda key, _: made(key),
     "own": _own,
     "attribute": lambda holder: partial(getattr, holder),
+    "part": lambda holder: partial(getattr, holder),       # of what is never set anew, as of a method
     "class": lambda holder: lambda *_: type(holder),
     "mro": lambda made: lambda *_: made.__mro__,
     "item": lambda mapping: partial(dict.get, mapping),

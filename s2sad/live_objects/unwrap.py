@@ -17,7 +17,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from types import CodeType, FunctionType, MethodType
 from typing import Any
 
-from s2sad.live_objects.guards import STEPS, class_attribute, reached, taken
+from s2sad.live_objects.guards import ABSENT, STEPS, class_attribute, reached, taken
 from s2sad.live_objects.side_table import looked_up, side_table
 
 STEPS["function"] = lambda value: lambda *_: named_function(value)
@@ -72,6 +72,15 @@ def partial_application(function: FunctionType) -> tuple[FunctionType, Mapping[s
         for name, value in names.items():
             reached(function, "given", name, value)
     return kernel, names
+
+
+def default_values(function: FunctionType) -> dict[str, Any]:
+    """The defaults of a function's parameters now, by name: the one way to them, since each is a guard."""
+    code = taken(function, "code")
+    positional, count = code.co_varnames[:code.co_argcount], code.co_argcount + code.co_kwonlyargcount
+    found = dict(zip(reversed(positional), reversed(taken(function, "attribute", "__defaults__") or ())))
+    keywords = {n: taken(function, "keyword", n) for n in code.co_varnames[code.co_argcount:count]}
+    return found | {n: v for n, v in keywords.items() if v is not ABSENT}
 
 
 def bound(holder: Any, name: str) -> MethodType:
@@ -145,7 +154,7 @@ def _partially_applied(value: MethodType | functools.partial, called: Any = None
 
 
 def _keys(value: functools.partial) -> tuple[str, ...]:
-    reached(value, "attribute", "keywords", value.keywords)
+    reached(value, "part", "keywords", value.keywords)
     return taken(value.keywords, "keys")
 
 

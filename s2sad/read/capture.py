@@ -42,7 +42,6 @@ def capture(value: Any) -> Captured:
     if function is None:
         raise S2sadError(not_a_function(value))
     function, bound = partial_application(function)
-    taken(function, "attribute", "__defaults__")
     code = taken(function, "code")
     path, text = _text(function, code)
     try:

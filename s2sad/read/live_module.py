@@ -16,7 +16,7 @@ from s2sad.read.outside_values import (
     AST, Array, UserFunctionValue, Namespace, Library, LibraryScope, Meaning, NotConstant, Number, ModuleValue,
     StringValue, Unusable, is_numbers, kind_of, library_path, value_meaning,
 )
-from s2sad.live_objects.unwrap import named_function
+from s2sad.live_objects.unwrap import default_values, named_function
 from s2sad.live_objects.registry import GIVEN, ROOM
 
 
@@ -150,11 +150,7 @@ def _home(value: Any) -> str:
 
 def defaults_of(function: types.FunctionType) -> Callable[[str, AST], Any]:
     """Looks up a parameter's default value as the live function has it."""
-    code = taken(function, "code")
-    positional = code.co_varnames[:code.co_argcount]
-    values = dict(zip(reversed(positional), reversed(taken(function, "attribute", "__defaults__") or ())))
-    keywords = code.co_varnames[code.co_argcount:code.co_argcount + code.co_kwonlyargcount]
-    values |= {n: v for n in keywords if (v := taken(function, "keyword", n)) is not ABSENT}
+    values = default_values(function)
 
     def default(parameter: str, node: AST) -> Any:
         value = values.get(parameter)

@@ -78,7 +78,7 @@ class NamespaceScope:
         if not own_class and key != "__call__" and (held := taken(self.value, "own", key)) is not ABSENT:
             value, own = held, True
         if isinstance(value, staticmethod):
-            reached(value, "attribute", "__func__", value.__func__)
+            reached(value, "part", "__func__", value.__func__)
             return value.__func__
         if isinstance(value, classmethod):
             return self._bound(value.__func__, made, key)

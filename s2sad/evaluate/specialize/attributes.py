@@ -9,6 +9,7 @@ from enum import Enum
 import numpy as np
 
 from s2sad import tree
+from s2sad.evaluate.specialize.classes.enumerations import known_attribute
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
@@ -56,10 +57,7 @@ def attribute_of(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> 
     if isinstance(base, LibraryValue):
         return _of_library(ev, base, name, node)
     if isinstance(base, ObjectValue):
-        found = getattr(base.value, name, ABSENT)
-        if found is ABSENT:
-            raise ev.refusal(node, f"{base.value!r} has no '{name}'")
-        return ev.outside_value(name, found, node, f)
+        return known_attribute(ev, base, name, node, f)
     if ev.is_attribute_dictionary(base):
         return MethodValue(base, name)
     if isinstance(base, FunctionValue) and name in ("__name__", "__doc__"):

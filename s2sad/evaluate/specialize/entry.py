@@ -10,7 +10,6 @@ derivatives of their own apart.
 """
 from __future__ import annotations
 
-import inspect
 import types
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -38,8 +37,9 @@ from s2sad.evaluate.specialize.values import (
     ClassValue, FunctionValue, TupleValue,
 )
 from s2sad.infer.types import UNKNOWN
+from s2sad.live_objects.guards import ABSENT, taken
 from s2sad.live_objects.registry import GIVEN
-from s2sad.live_objects.unwrap import partial_application
+from s2sad.live_objects.unwrap import default_values, partial_application
 from s2sad.program import DemandedFacts, Fact, Kernel, Program, SourcePlace
 from s2sad.pytree import Form, PyTree
 from s2sad.read.capture import captured_of
@@ -88,10 +88,10 @@ def unread(function: Any, refused: S2sadError | None = None) -> Program:
     if not isinstance(function, types.FunctionType):
         defaults, annotations = defaults_said(captured), annotations_said(captured)
     else:
-        live = inspect.signature(partial_application(function)[0]).parameters
-        defaults = {n: live[n].default for n in parameters if live[n].default is not inspect.Parameter.empty}
-        said = {n: live[n].annotation for n in parameters if live[n].annotation is not inspect.Parameter.empty}
-        annotations = {n: a.__name__ if isinstance(a, type) else str(a) for n, a in said.items()}
+        live = partial_application(function)[0]
+        values, said = default_values(live), {n: taken(live, "annotation", n) for n in parameters}
+        defaults = {n: values[n] for n in parameters if n in values}
+        annotations = {n: text for n, text in said.items() if text is not ABSENT}
     kernel = Kernel(captured.name, tree.at(tree.function(captured.name, list(parameters), []), captured.tree),
                     captured.source, parameters, defaults, annotations)
     return Program(captured.name, {captured.name: kernel}, refused=refused, function=function)

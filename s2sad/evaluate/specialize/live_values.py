@@ -26,8 +26,8 @@ from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import (
     NONE, ClassValue, Data, FunctionValue, LibraryValue, ObjectValue, TupleValue, Value, constant,
 )
-from s2sad.live_objects.guards import ABSENT, VaryingNumber, taken
-from s2sad.live_objects.unwrap import CalledDerivative, named_function
+from s2sad.live_objects.guards import ABSENT, VaryingNumber, reached, taken
+from s2sad.live_objects.unwrap import CalledDerivative, default_values, named_function
 from s2sad.read.capture import captured_of
 from s2sad.read.live_module import LiveScope, live_meaning
 from s2sad.read.outside_values import Captured, Library, Matrix, Namespace, kind_of, library_path
@@ -116,9 +116,11 @@ def _own(value: Any) -> str | None:
 def _derivative(ev: Evaluator, value: CalledDerivative, node: AST, f: Frame) -> LibraryValue:
     """A derivative that was made outside, with its function and what it is with respect to."""
     ev.held.append(value)
-    names = tuple(map(constant, value.names)) if value.names is not None else None
-    of = outside_value(ev, getattr(value.__wrapped__, "__name__", "f"), value.__wrapped__, node, f)
-    return LibraryValue(f"s2sad.called.{value.path}", (of, NONE if names is None else TupleValue(names)))
+    said, function = taken(value, "attribute", "names"), taken(value, "attribute", "__wrapped__")
+    names = tuple(map(constant, said)) if said is not None else None
+    of = outside_value(ev, getattr(function, "__name__", "f"), function, node, f)
+    path = taken(value, "attribute", "path")
+    return LibraryValue(f"s2sad.called.{path}", (of, NONE if names is None else TupleValue(names)))
 
 
 def _drawing(value: Any) -> str | None:
@@ -151,19 +153,22 @@ def _plain(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> Value:
 
 def _method(ev: Evaluator, value: types.MethodType, name: str, node: AST, f: Frame) -> Value:
     """A bound method: the function of its class, given its object."""
-    instance = outside_value(ev, getattr(value.__self__, "__name__", name), value.__self__, node, f)
-    owner = next((class_value(c) for c in type(value.__self__).__mro__
-                  if vars(c).get(value.__func__.__name__) is value.__func__), None)
-    function = live_function(ev, value.__func__, node, f, owner)
+    holder = reached(value, "part", "__self__", value.__self__)
+    instance = outside_value(ev, getattr(holder, "__name__", name), holder, node, f)
+    kernel = reached(value, "part", "__func__", value.__func__)
+    owner = next((class_value(c) for c in type(holder).__mro__ if vars(c).get(kernel.__name__) is kernel), None)
+    function = live_function(ev, kernel, node, f, owner)
     return replace(function, first=(instance,)) if isinstance(function, FunctionValue) else function
 
 
 def _partial(ev: Evaluator, value: functools.partial, name: str, node: AST, f: Frame) -> Value:
-    inner = outside_value(ev, name, value.func, node, f)
+    inner = outside_value(ev, name, reached(value, "part", "func", value.func), node, f)
     if not isinstance(inner, (FunctionValue, LibraryValue)):
         raise ev.refusal(node, f"'{name}' is a partial of what is no function")
-    first = tuple(outside_value(ev, f"{name}_{k}", a, node, f) for k, a in enumerate(value.args))
-    given = {k: outside_value(ev, f"{name}_{k}", taken(value.keywords, "item", k), node, f) for k in value.keywords}
+    args = reached(value, "part", "args", value.args)
+    keywords = reached(value, "part", "keywords", value.keywords)
+    first = tuple(outside_value(ev, f"{name}_{k}", a, node, f) for k, a in enumerate(args))
+    given = {k: outside_value(ev, f"{name}_{k}", taken(keywords, "item", k), node, f) for k in taken(keywords, "keys")}
     return replace(inner, first=(*inner.first, *first), keywords=tuple({**dict(inner.keywords), **given}.items()))
 
 
@@ -286,11 +291,7 @@ def default_of(ev: Evaluator, function: FunctionValue, name: str, node: AST, f: 
         return None
     if not isinstance(handle, types.FunctionType):
         return ev.file_default(function, name, node)
-    code = taken(handle, "code")
-    positional = code.co_varnames[:code.co_argcount]
-    defaults = taken(handle, "attribute", "__defaults__") or ()
-    given = dict(zip(reversed(positional), reversed(defaults)))
-    value = given[name] if name in given else taken(handle, "keyword", name)
+    value = default_values(handle).get(name, ABSENT)
     if value is ABSENT:
         return None
     return constant(value) if type(value) in (int, float, bool) else outside_value(ev, name, value, node, f)

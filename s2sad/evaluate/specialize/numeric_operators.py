@@ -9,6 +9,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.diagnostics import S2sadError
+from s2sad.evaluate.specialize.classes.enumerations import combined
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, of_call, origins, shape
@@ -37,7 +38,7 @@ def unary(ev: Evaluator, node: Any, f: Frame) -> Value:
     value = ev.value(node.operand, f)
     does, word = _UNARY[type(node.op).__name__]
     if isinstance(value, ObjectValue) and isinstance(value.value, Flag):
-        return ev.member(does(value.value))
+        return combined(ev, value.value, does(value.value))
     own = ev.special_method(value, f"__{word}__", node, f)
     if own is not None or isinstance(value, Reference):
         return ev.call(own or ev.attribute_of(value, f"__{word}__", node, f), [], {}, node, f)
@@ -70,7 +71,7 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
                 return found
     if isinstance(left, ObjectValue) and isinstance(right, ObjectValue) and isinstance(left.value, Flag) and (
             type(left.value) is type(right.value)):
-        return ev.member(OPERATORS[type(op)][0](left.value, right.value))
+        return combined(ev, left.value, OPERATORS[type(op)][0](left.value, right.value))
     opaque = [v for v in (left, right) if isinstance(v, OpaqueValue)]
     if opaque and not any(isinstance(v, Data) and isinstance(v.known, str) for v in (left, right)):
         return opaque[0]

@@ -17,6 +17,7 @@ from s2sad.evaluate.specialize.values import (
     ClassValue, Data, FunctionValue, LibraryValue, Reference, Value,
 )
 from s2sad.live_objects.guards import taken
+from s2sad.pytree import named_defaults
 from s2sad.tree import AST
 
 Default = Callable[[AST, Frame], Value]
@@ -67,20 +68,21 @@ def declares_layout(ev: Evaluator, made: ClassValue) -> bool:
 
 
 def _named(ev: Evaluator, live: Any) -> Layout:
-    defaults = taken(live, "attribute", "_field_defaults")
+    defaults = named_defaults(live)
     return Layout("named", tuple(ClassField(k, _outside(ev, k, defaults[k]) if k in defaults else None)
                                  for k in taken(live, "attribute", "_fields")))
 
 
 def _dataclass(ev: Evaluator, live: Any) -> Layout:
     found = []
-    for d in dataclasses.fields(live):
-        default = None if d.default is dataclasses.MISSING else _outside(ev, d.name, d.default)
-        if default is None and d.default_factory is not dataclasses.MISSING:
-            default = _made_by(ev, _outside(ev, d.name, d.default_factory))
-        found.append(ClassField(d.name, default, d.init, d.kw_only is True, d.compare))
-    params = live.__dataclass_params__
-    return Layout("dataclass", tuple(found), params.eq, params.frozen)
+    for name in taken(live, "fields"):
+        value, factory, is_given, by_name, is_compared = taken(live, "field", name)
+        default = None if value is dataclasses.MISSING else _outside(ev, name, value)
+        if default is None and factory is not dataclasses.MISSING:
+            default = _made_by(ev, _outside(ev, name, factory))
+        found.append(ClassField(name, default, is_given, by_name, is_compared))
+    params = taken(live, "attribute", "__dataclass_params__")
+    return Layout("dataclass", tuple(found), taken(params, "attribute", "eq"), taken(params, "attribute", "frozen"))
 
 
 def _outside(ev: Evaluator, name: str, value: Any) -> Default:

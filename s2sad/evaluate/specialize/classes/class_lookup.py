@@ -15,7 +15,7 @@ from s2sad.evaluate.specialize.values import (
     ClassValue, Data, FunctionValue, LibraryValue, ObjectValue, Reference, TupleValue, Value,
 )
 from s2sad.live_objects.code_text import is_generated
-from s2sad.live_objects.guards import ABSENT, taken
+from s2sad.live_objects.guards import ABSENT, reached, taken
 from s2sad.tree import AST
 
 _OBJECT = ("__init__", "__new__", "__setattr__", "__getattribute__", "__eq__", "__ne__", "__hash__", "__repr__",
@@ -95,17 +95,20 @@ def _descriptor(ev: Evaluator, owner: ClassValue, name: str, found: Any, node: A
     """Functions of a class, and what property, staticmethod and classmethod make of them."""
     kinds = {property: ("builtins.property", "fget"), staticmethod: ("builtins.staticmethod", "__func__"),
              classmethod: ("builtins.classmethod", "__func__")}
+    def part(attribute: str) -> Any:
+        return reached(found, "part", attribute, getattr(found, attribute))
     for kind, (path, attribute) in kinds.items():
         if isinstance(found, kind):
-            setter = getattr(found, "fset", None)
-            parts = (getattr(found, attribute), setter) if setter is not None else (getattr(found, attribute),)
-            return LibraryValue(path, tuple(ev.live_function(p, node, f, owner) for p in parts))
+            names = (attribute, "fset") if getattr(found, "fset", None) is not None else (attribute,)
+            return LibraryValue(path, tuple(ev.live_function(part(n), node, f, owner) for n in names))
     if type(found).__name__ == "cached_property":
-        return LibraryValue("functools.cached_property", (ev.live_function(found.func, node, f, owner),))
+        return LibraryValue("functools.cached_property", (ev.live_function(part("func"), node, f, owner),))
     if type(found).__name__ == "partialmethod" and isinstance(found.func, types.FunctionType):
-        given = (ev.outside_value(f"{owner.name}_{name}_{k}", a, node, f) for k, a in enumerate(found.args))
-        named = ((k, ev.outside_value(f"{owner.name}_{name}_{k}", v, node, f)) for k, v in found.keywords.items())
-        inner = ev.live_function(found.func, node, f, owner)
+        keywords = part("keywords")
+        given = (ev.outside_value(f"{owner.name}_{name}_{k}", a, node, f) for k, a in enumerate(part("args")))
+        named = ((k, ev.outside_value(f"{owner.name}_{name}_{k}", taken(keywords, "item", k), node, f))
+                 for k in taken(keywords, "keys"))
+        inner = ev.live_function(part("func"), node, f, owner)
         return LibraryValue("functools.partialmethod", (inner, *given), (*named,))
     return ev.live_function(found, node, f, owner) if isinstance(found, types.FunctionType) else None
 

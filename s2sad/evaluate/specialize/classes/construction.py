@@ -7,6 +7,7 @@ from enum import Enum
 from types import SimpleNamespace
 
 from s2sad.evaluate.specialize.classes.class_layout import Layout
+from s2sad.evaluate.specialize.classes.enumerations import member_by_value
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
@@ -21,7 +22,7 @@ def constructed(ev: Evaluator, made: ClassValue, args: Sequence[Value], keywords
     """What calling a class gives."""
     live = made.live
     if isinstance(live, type) and issubclass(live, Enum):
-        return _enum_member(ev, made, args, node)
+        return member_by_value(ev, live, ev.known(args[0], node, "the value of a member of an enumeration"))
     if live is SimpleNamespace:
         reference = ev.heap.new(Object("record", {}, made, label=ev.label, site=node))
         for name, value in keywords.items():
@@ -51,11 +52,6 @@ def constructed(ev: Evaluator, made: ClassValue, args: Sequence[Value], keywords
     items.pop(f".made{reference.number}", None)
     ev.heap.set_items(f.reference, items)
     return reference
-
-
-def _enum_member(ev: Evaluator, made: ClassValue, args: Sequence[Value], node: AST) -> Value:
-    known = ev.known(args[0], node, "the value of a member of an enumeration")
-    return ev.member(made.live(known))
 
 
 def _named_tuple(ev: Evaluator, made: ClassValue, layout: Layout, args: Sequence[Value], keywords: Mapping[str, Value],

@@ -7,6 +7,7 @@ from enum import Enum
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate.specialize.classes.enumerations import all_members
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.sequences.cursors import TOGETHER
@@ -142,7 +143,7 @@ def _members(ev: Evaluator, value: ClassValue, node: AST) -> list[Value]:
     """The members of an enumeration."""
 
     if isinstance(value.live, type) and issubclass(value.live, Enum):
-        return [ev.member(m) for m in value.live]
+        return all_members(ev, value.live)
     raise ev.refusal(node, f"the class '{value.name}' is gone through")
 
 
