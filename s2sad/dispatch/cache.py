@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
+from functools import cache
 from types import FunctionType, MappingProxyType
 from typing import Any, Protocol, runtime_checkable
 
@@ -20,6 +20,7 @@ from s2sad.dispatch.arguments import float_parameters, types as types_of
 from s2sad.run.compiler_lock import COMPILER_LOCK
 from s2sad.dispatch.deferred import compiler
 from s2sad.diagnostics import Diagnostic, S2sadError, WaitingForFacts
+from s2sad.dispatch.checked_primal import CheckedPrimal
 from s2sad.dispatch.executable import Executable, HIDDEN, ManyDirections
 from s2sad.dispatch.index_check import IndexCheck
 from s2sad.dispatch.limited_memory import LimitedMemory
@@ -30,10 +31,7 @@ from s2sad.live_objects.unwrap import by_position, python_function
 from s2sad.program import EntrySummary, Program, Request
 from s2sad.run.progress import Working
 from s2sad.live_objects.registry import GIVEN, RegisteredRule
-from s2sad.run.compiled import chosen, compiled, interpreting, prepare, quiet
-from s2sad.run.exceptions import CAUGHT
-from s2sad.run.line_marks import with_line_marks
-from s2sad.run.module_loader import keep_loaded
+from s2sad.run.compiled import chosen, interpreting
 from s2sad.run.overlap import Check, Slot
 from s2sad.live_objects.side_table import side_table
 
@@ -286,6 +284,10 @@ class ProgramVersion:
                 if engine == "numba":
                     check = IndexCheck(generated, lambda values: self._run_checked(values, request.types, engine))
                     made.check_indices = check if check.is_needed else None
+                    if check.scanned and not request.width and not recording.limit and request.mode != "primal":
+                        made.unsigned = cache(lambda: loaded(
+                            generated, engine, summary, self.kernel.name, self.registered, self.function,
+                            forwards=check.scanned))
                 if recording.limit:
                     made.limited = LimitedMemory(recording.limit, self.kernel.name, summary.written,
                                                  lambda loops: self.variant(
@@ -318,45 +320,18 @@ class ProgramVersion:
                     dict(zip(self.parameters, values)), {}, (), self.arrays_by_name()))
 
     def _run_checked(self, given: Mapping[str, Any], types: tuple[Type, ...], engine: str) -> None:
-        """Runs the primal with bounds checks on copies."""
-        values = [given[p] for p in self.parameters]
-        variant = self.variant(Request("primal", types, (), ()), engine)
-        copies = dict(zip(self.parameters, self.with_private_copies(values, types)))
-        arguments = variant.assemble(copies, {}, (), self.private_outside_arrays(types))
-        function = self._checked(variant, types, arguments)
-        try:
-            function(*arguments)
-        except CAUGHT as error:
-            raise variant.failures.meaning(error) from None
-        except IndexError as error:
-            line = self._line_that_raises(variant, given, types)
-            raise variant.failures.of_index(error, line) from None
-
-    def _line_that_raises(self, variant: Executable, given: Mapping[str, Any], types: tuple[Type, ...]) -> int:
-        """The line of the primal's text in which an index is out of bounds for these values."""
-        copies = dict(zip(self.parameters, self.with_private_copies([given[p] for p in self.parameters], types)))
-        line = np.zeros(1, np.int64)
-        arguments = [*variant.assemble(copies, {}, (), self.private_outside_arrays(types)), line]
-        with suppress(IndexError):
-            self._checked(variant, types, arguments, lines=True)(*arguments)
-        return int(line[0])
-
-    def _checked(self, variant: Executable, types: tuple[Type, ...], arguments: list[Any], lines: bool = False
-                 ) -> Callable[..., Any]:
-        """The primal compiled with bounds checks, once for these types; with `lines` one that says where it is."""
-        key = ("checked", types, lines)
+        """Runs the primal with bounds checks, on copies."""
+        key = ("checked", types)
         with COMPILER_LOCK:
             if key not in self.entries:
-                generated = variant.generated
-                text, guards = quiet(generated.text), tuple(generated.facts.get("guards", ()))
-                module = compiled(with_line_marks(text) if lines else text, generated.entry, bounds=True,
-                                  user_functions=bool(self.registered), guards=() if lines else guards,
-                                  entries=[generated.entry])
-                keep_loaded(module, self)
-                function = getattr(module, generated.entry)
-                prepare(function, arguments, f"'{self.kernel.name}'")
-                self.entries[key] = function
-            return self.entries[key]
+                primal = self.variant(Request("primal", types, (), ()), engine)
+                self.entries[key] = CheckedPrimal(primal, bool(self.registered))
+        checked, values = self.entries[key], [given[p] for p in self.parameters]
+
+        def copies() -> list[Any]:
+            own = dict(zip(self.parameters, self.with_private_copies(values, types)))
+            return checked.variant.assemble(own, {}, (), self.private_outside_arrays(types))
+        checked(copies)
 
     def overlap_check(self, types: tuple[Type, ...]) -> Callable[[Sequence[Any]], None] | None:
         """A function that refuses values whose arrays share memory, with another or in themselves, where they are

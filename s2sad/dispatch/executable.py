@@ -1,7 +1,7 @@
 """A generated function that is loaded: how its arguments are put together and checked, and how it is called."""
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from operator import itemgetter
 from types import FunctionType
 from typing import Any
@@ -17,6 +17,7 @@ from s2sad.infer.types import Type
 from s2sad.program import Generated, Parameter
 from s2sad.live_objects.registry import RegisteredRule
 from s2sad.run.compiled import compiled, prepare
+from s2sad.run.unsigned_elements import Known
 from s2sad.run.exceptions import CAUGHT, ExceptionMeanings
 from s2sad.run.memory import Memory, footprint_of, memory_of
 from s2sad.run.module_loader import keep_loaded, load
@@ -51,6 +52,13 @@ def without_warnings(function: Callable[..., Any]) -> Callable[..., Any]:
     return called
 
 
+def _known(generated: Generated, forwards: Collection[str]) -> dict[str, Known] | None:
+    """What is known of the parameters of a generated function where the elements of some are not negative."""
+    every = {p.name: p for p in (*generated.facts.get("taken", ()), *generated.parameters)}
+    return {n: Known(p.type.rank, n in forwards, n in forwards) for n, p in every.items()
+            if p.type.is_array or p.type.is_number} if forwards else None
+
+
 class OnDisk:
     """A derivative that keeps snapshots in files of folders."""
 
@@ -67,13 +75,15 @@ class OnDisk:
 class Executable:
     """A generated function, loaded and, under Numba, compiled; how its arguments are put together and checked. One with
     `limited` memory has calls run by others, which keep snapshots; `check_indices` looks at what may be out of
-    bounds."""
+    bounds. Calls in which it finds no negative element run as `unsigned`, for which none of `forwards` has one."""
     limited: LimitedMemory | None = None
     check_indices: IndexCheck | None = None
+    unsigned: Callable[[], Executable] | None = None
     unrolled = False        # whether vectors are made of what LLVM has written out
 
     def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
-                 registered: tuple[RegisteredRule, ...] = (), function: FunctionType | None = None):
+                 registered: tuple[RegisteredRule, ...] = (), function: FunctionType | None = None,
+                 forwards: Collection[str] = ()):
         self.generated, self.engine, self.kernel = generated, engine, kernel
         self.parameters: tuple[Parameter, ...] = generated.parameters
         plain = tuple(generated.facts.get("wrappers", ()))
@@ -82,7 +92,8 @@ class Executable:
         facts = generated.facts
         entries = [facts[k] for k in ("taped", "forward") if facts.get(k)] + [generated.entry]
         module = (compiled(generated.text, generated.entry, plain=plain, user_functions=moving, guards=guards,
-                           entries=entries, unrolled=self.unrolled, distinct=facts.get("distinct", ()))
+                           entries=entries, unrolled=self.unrolled, distinct=facts.get("distinct", ()),
+                           known=_known(generated, forwards))
                   if engine == "numba" else load(generated.text, generated.entry, own=bool(registered), guards=guards))
         self.failures = ExceptionMeanings(generated.facts, str(module.__file__), kernel)
         keep_loaded(module, self)
@@ -153,12 +164,12 @@ class Executable:
         shared = self.check(self._pick(arguments))
         return tuple([self.array_places[k] for k in shared]) if shared else ()
 
-    def for_call(self, arguments: list[Any] | tuple[Any, ...], copies: int = 0) -> Executable:
-        """What runs a call whose caller makes `copies`; raises S2sadError where the memory cannot be had, IndexError
-        where an index is out of bounds."""
+    def for_call(self, arguments: list[Any] | tuple[Any, ...], copies: int = 0, bare: bool = False) -> Executable:
+        """What runs a call whose caller makes `copies`, and if it is `bare` others that nothing looks at; raises
+        S2sadError where the memory cannot be had, IndexError where an index is out of bounds."""
         found = self
-        if self.check_indices is not None:
-            self.check_indices(arguments)
+        if self.check_indices is not None and self.check_indices(arguments) and self.unsigned is not None and not bare:
+            found = self.unsigned()
         if self.limited is not None:
             taken = self.generated.facts.get("taken", self.parameters)
             values = {p.name: a for p, a in zip(taken, arguments) if p.role == "primal"}
@@ -240,7 +251,8 @@ class ManyDirections(Executable):
     unrolled = True
 
     def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
-                 registered: tuple[RegisteredRule, ...] = (), function: FunctionType | None = None):
-        super().__init__(generated, engine, summary, kernel, registered, function)
+                 registered: tuple[RegisteredRule, ...] = (), function: FunctionType | None = None,
+                 forwards: Collection[str] = ()):
+        super().__init__(generated, engine, summary, kernel, registered, function, forwards)
         self._kinds = [as_it_is] * len(generated.returns)
         self.check_memory = _fits

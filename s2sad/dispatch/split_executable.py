@@ -1,7 +1,7 @@
 """An adjoint in two functions that is loaded: the augmented primal, which gives the tape, and the reverse sweep."""
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from types import FunctionType
 from typing import Any
 
@@ -23,8 +23,9 @@ class SplitExecutable(Executable):
     """The two functions; as an `Executable` it is the reverse sweep, which takes the tape first."""
 
     def __init__(self, generated: Generated, engine: str, summary: Any, kernel: str,
-                 registered: tuple[RegisteredRule, ...] = (), function: FunctionType | None = None):
-        super().__init__(generated, engine, summary, kernel, registered, function)
+                 registered: tuple[RegisteredRule, ...] = (), function: FunctionType | None = None,
+                 forwards: Collection[str] = ()):
+        super().__init__(generated, engine, summary, kernel, registered, function, forwards)
         title = generated.facts["forward"]
         self._first_half = getattr(self.module, title)
         self._augmented: Callable[..., Any] = self.in_folders(

@@ -209,7 +209,7 @@ class Differentiated(Decorated, Generic[P, R]):
             raise S2sadError(Diagnostic("S405", f"'{self.__wrapped_kernel__.__name__}.compiled' was given a structure",
                                         help="the bare function takes arrays and numbers: call adjoint or tangent"))
         if mode in ("adjoint", "tangent"):
-            return ShadowCall(state, mode, args, self.__s2sad_selection__).function(args)
+            return ShadowCall(state, mode, args, self.__s2sad_selection__, bare=True).function(args)
         if mode != "primal":
             raise S2sadError(Diagnostic("S405", f"there is no mode {mode!r}", help='"adjoint", "tangent" or "primal"'))
         values = self._values(state, args, {})

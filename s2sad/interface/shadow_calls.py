@@ -17,7 +17,8 @@ from s2sad.dispatch.cache import ProgramVersion
 class ShadowCall:
     """A prepared `f.adjoint(...)` or `f.tangent(...)`: the positions of its arguments are known."""
 
-    def __init__(self, state: ProgramVersion, mode: str, args: tuple[Any, ...], selection: Selection):
+    def __init__(self, state: ProgramVersion, mode: str, args: tuple[Any, ...], selection: Selection,
+                 bare: bool = False):
         self.state = state
         self.variant, self.layout, values = match_arguments(state, mode, args, selection)
         by_name = dict(zip(state.parameters, values))
@@ -32,7 +33,7 @@ class ShadowCall:
         self._coercions = self._conversions(args)
         arguments = self._arguments(args)
         self.variant.shared_arrays(arguments)
-        runs = self.variant.for_call(arguments)
+        runs = self.variant.for_call(arguments, bare=bare)
         runs.prepare(arguments)
         self._direct = not self._coercions and not self._hidden
         self._bare = self.variant.engine == "numba" and not any(p.type.is_array for p in self.variant.seeds)
@@ -58,7 +59,7 @@ class ShadowCall:
 
     def function(self, args: tuple[Any, ...]) -> Any:
         """The bare function that runs a call with these arguments."""
-        return self.variant.for_call(self._arguments(args)).function
+        return self.variant.for_call(self._arguments(args), bare=True).function
 
     def _conversions(self, args: tuple[Any, ...]) -> list[tuple[int, Any]]:
         found = []

@@ -13,10 +13,10 @@ import importlib.util
 import os
 import platform
 import threading
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from importlib import metadata
 from pathlib import Path
 from types import FunctionType, ModuleType
@@ -33,6 +33,7 @@ from s2sad.run.module_loader import load
 from s2sad.run.machine_code import stored
 from s2sad.run.special_functions import register, used
 from s2sad.run.through_python import through_python
+from s2sad.run.unsigned_elements import Known, unsigned_elements
 
 _RUNTIME = "s2sad.runtime"
 _UNROLLED = "__unrolled__"
@@ -74,19 +75,21 @@ def bounds_checked() -> Iterator[None]:
 
 def compiled(text: str, name: str, *, bounds: bool = False, plain: tuple[str, ...] = (),
              user_functions: bool = False, guards: Collection[int] = (), entries: Collection[str] = (),
-             unrolled: bool = False, distinct: Collection[str] = ()) -> ModuleType:
+             unrolled: bool = False, distinct: Collection[str] = (), known: Mapping[str, Known] | None = None
+             ) -> ModuleType:
     """The module of `text` with its functions compiled (lazily, when first called); those in `plain` are left. Python
     calls those in `entries` (all of them if it is empty). If it is `unrolled`, LLVM makes vectors of neighbouring
     operations, too: of loops that it has written out. It is told that arrays given to those in `distinct` share no
-    memory.
+    memory. Where something is `known` of the parameters of the entries, indices that are never negative are unsigned.
 
     With `user_functions` it imports functions of the user: these are compiled too, and nothing is kept on disk, for
     the text stays the same when they change. Nor is a module that calls what the interpreter runs, which lives as
     long as the process.
     """
     bounds = bounds or always_checked()
-    key = f"{_key(bounds)}{'-unrolled' * unrolled} {sorted(distinct)}"
-    module = load(text, name, key, own=user_functions, guards=guards)
+    key = f"{_key(bounds)}{'-unrolled' * unrolled} {sorted(distinct)}{sorted(known.items()) if known else ''}"
+    change = partial(unsigned_elements, entries=entries, given=known) if known else None
+    module = load(text, name, key, own=user_functions, guards=guards, change=change)
     if not getattr(module, "__compiled__", False):
         space = vars(module)
         register(used(space))

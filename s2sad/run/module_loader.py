@@ -14,13 +14,14 @@ import linecache
 import sys
 import weakref
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from types import CodeType, ModuleType
 from typing import Any
 
 from s2sad.run.compiler_lock import COMPILER_LOCK
 from s2sad.run import store
 
+Change = Callable[[ast.Module], ast.Module]
 _OWN = itertools.count(1)
 _OWNERS: Counter[str] = Counter()       # by the names of modules
 
@@ -28,12 +29,14 @@ _OWNERS: Counter[str] = Counter()       # by the names of modules
 class _Loader(importlib.machinery.SourceFileLoader):
     """Compiles the text that was verified, whatever its file holds, and leaves no bytecode."""
 
-    def __init__(self, name: str, path: str, text: str, guards: Collection[int]):
+    def __init__(self, name: str, path: str, text: str, guards: Collection[int], change: Change | None):
         super().__init__(name, path)
-        self._text, self._guards = text, guards
+        self._text, self._guards, self._change = text, guards, change
 
     def get_code(self, fullname: str) -> CodeType:
-        made = _Raising(self._guards).visit(ast.parse(self._text)) if self._guards else self._text
+        made: Any = _Raising(self._guards).visit(ast.parse(self._text)) if self._guards else self._text
+        if self._change is not None:
+            made = self._change(made if self._guards else ast.parse(self._text))
         # the guards are assertions: they stay under python -O
         return compile(made, self.path, "exec", dont_inherit=True, optimize=0)
 
@@ -60,12 +63,14 @@ class _Raising(ast.NodeTransformer):
         return ast.fix_missing_locations(ast.copy_location(made, node))
 
 
-def load(text: str, name: str, key: str = "", own: bool = False, guards: Collection[int] = ()) -> ModuleType:
+def load(text: str, name: str, key: str = "", own: bool = False, guards: Collection[int] = (),
+         change: Change | None = None) -> ModuleType:
     """The module of a generated text; the same text, name, key and guards give the same module.
 
     The assertions in the lines of `guards` raise AssertionError with their message, their line and what they compared.
 
-    `key` has what else the compiled form depends on (engine, flags, versions): another key is another module.
+    `key` has what else the compiled form depends on (engine, flags, versions, a `change` of the tree, which leaves the
+    lines): another key is another module.
     With `own` the module is a new one each time: it imports functions that may have changed.
     """
     digest = hashlib.sha256(f"{key}\0{name}\0{text}\0{sorted(guards)}".encode()).hexdigest()[:20]
@@ -77,7 +82,7 @@ def load(text: str, name: str, key: str = "", own: bool = False, guards: Collect
         if module is not None:
             return module
         path = store.keep(f"{name}_{digest}.py", text) or f"generated/{name}_{digest}.py"
-        loader = _Loader(identifier, str(path), text, guards)
+        loader = _Loader(identifier, str(path), text, guards, change)
         spec = importlib.util.spec_from_file_location(identifier, path, loader=loader)
         assert spec is not None  # a loader was given
         module = importlib.util.module_from_spec(spec)

@@ -238,7 +238,7 @@ def recorded() -> Iterator[set[str]]:
         version = call.state, call.types
         if version not in ran:
             ran.add(version)
-            call.state.entries.pop(("checked", call.types, False), None)
+            call.state.entries.pop(("checked", call.types), None)
             call._ready.clear()
         return called(call, *args)
     _recording.append(found)
