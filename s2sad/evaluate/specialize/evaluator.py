@@ -84,6 +84,7 @@ class Evaluator(Operations):
         self.choices = choices          # the slots that may hold choices of other things than functions
         self.found_none: frozenset[Any] = frozenset()       # the slots that hold None of several things, in a statement
         self.decisions = 0              # how often a statement was evaluated for one of several things
+        self.untried = ""               # a slot that would be a choice if the loops around were not written out
         self.unrolled_loops: dict[AST, int] = {}    # those that are written out, and how often
         self.heap, self.names = Heap(), Names()
         self.births, self.born = 0, dict[str, int]()       # when each residual name was made

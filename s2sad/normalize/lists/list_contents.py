@@ -19,8 +19,8 @@ from s2sad.normalize.views.views_without_axes import makes_view
 from s2sad.program import Program
 from s2sad.tree import (
     AST, Add, Assign, Attribute, AugAssign, BinOp, Call, Constant, Expr, For, FunctionDef, If, IfExp, List, Name,
-    Store, Sub, Subscript, While, call, call_name, const, index, indices, name, names, rebuild, rename, stored_names,
-    user_call, walk, walk_statements,
+    Store, Sub, Subscript, While, call, call_name, const, dump, index, indices, name, names, rebuild, rename,
+    stored_names, user_call, walk, walk_statements,
 )
 
 Writes = Callable[[Call], Sequence[int]]
@@ -111,6 +111,21 @@ class ListContents:
         after = [n for s in block[bound:] for n in walk(s)]
         return not any(s is not store and identifier in self.sources(s.value) and any(n is s for n in after)
                        for stores in self.stores.values() for s in stores)
+
+    def has_alone(self, listed: str) -> bool:
+        """Whether nothing else has the arrays that a list holds once they are in it."""
+        return all(not self.is_shared(s) or self.is_fresh(s) and not self.views_of({base_name(s.value)})
+                   & self.uses.after[id(s)] for s in self.stores[listed])
+
+    def takes_out(self, statement: Assign) -> bool:
+        """Whether a name is bound to the last item of a list, which is one shorter then, or to its first one."""
+        block = next(b for b in self.blocks if any(s is statement for s in b))
+        after = block[next(k for k, s in enumerate(block) if s is statement) + 1:]
+        place = indices(statement.value)[0]
+        last = place.left if isinstance(place, BinOp) and isinstance(place.op, Sub) else None
+        return bool(after) and isinstance(statement.value.value, Name) and isinstance(after[0], AugAssign) and (
+            dump(after[0].target) == dump(place if last is None else last)) and isinstance(
+            after[0].op, Add if last is None else Sub)
 
     def is_repeated(self, listed: str) -> bool:
         """Whether a list may hold one array, or one part of it, several times."""

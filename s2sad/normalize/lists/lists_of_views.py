@@ -56,19 +56,21 @@ def lists_of_views(function: FunctionDef, typing: Typing, memory: Memory, writes
 
 def _with_copied_elements(function: FunctionDef, contents: ListContents) -> FunctionDef:
     """The function in which a name of an element is one of a copy, where another array takes its place while the name
-    is used; not where what the list holds is written.
+    is used; not where what the list holds is written, unless the element is taken out, and nothing else has it.
 
         v = us[us_count - 1]            v = np.copy(us[us_count - 1])
         us_count -= 1                   us_count -= 1
         us[us_count] = 0.5 * v          us[us_count] = 0.5 * v
         us[us_count + 1] = 0.3 * v      us[us_count + 1] = 0.3 * v
     """
-    replaced = {n for n in contents.stores if contents.replaced_element(n) is not None and not contents.is_written(n)}
+    replaced = {n for n in contents.stores if contents.replaced_element(n) is not None}
+    written = {n for n in replaced if contents.is_written(n)}
 
     def change(node: AST) -> AST | None:
         if not isinstance(node, Assign) or not isinstance(node.value, Subscript) or not isinstance(
-                node.targets[0], Name) or base_name(node.value) not in replaced or any(
-                isinstance(i, Slice) for i in indices(node.value)) or not contents.typing.of(node.value).is_array:
+                node.targets[0], Name) or (listed := base_name(node.value)) not in replaced or any(
+                isinstance(i, Slice) for i in indices(node.value)) or not contents.typing.of(node.value).is_array or (
+                listed in written and not (contents.has_alone(listed) and contents.takes_out(node))):
             return None
         return at(assign(node.targets[0].id, call("numpy.copy", copy(node.value))), node)
     return rebuild(function, change) if replaced else function

@@ -119,6 +119,34 @@ def moving_average(x):
     return s + np.sum(np.array(window) ** 2)
 
 
+def taken_back(x):
+    """What is taken out of the list is written, while others go where it was."""
+    u, t, saved = x.copy(), 0.0, []
+    for _ in range(12):
+        saved.append((t, u.copy()))
+        u *= 1.1 + 0.1 * x[0]
+        t += 0.1
+        if np.sum(u) > 7.0:
+            t, u = saved.pop()
+            u[1:] *= 0.6
+    return t * np.sum(u) + sum(time * np.sum(v ** 2) for time, v in saved)
+
+
+def taken_out_beside_its_name(x):
+    us, s, t = [], 0.0, 0.0
+    for _ in range(6):
+        t += x[0]
+        w = x * t
+        us.append(w)
+        if t > 2.0:
+            v = us.pop()
+            v[0] = 2.0
+            us.append(0.3 * v)
+            t -= 1.6
+        s += w[0] ** 2
+    return s + sum(np.sum(u ** 3) for u in us)
+
+
 def cleared(x):
     q, s, t = [], 0.0, 0.0
     while t < 1.0:
@@ -430,7 +458,7 @@ def beyond_the_end(x):
 KERNELS = [read_from_the_second_round_on, of_a_length, last_one_changed, beyond_the_end,
            of_numbers, of_pairs, adaptive_quadrature, of_arrays, of_operands, moving_average, cleared, generations,
            kept_where_it_is_longer, left_by_continue, first_of_what_was_there, two_names, of_numbers_and_arrays,
-           rows_that_move, made_of_the_one_before]
+           rows_that_move, made_of_the_one_before, taken_back, taken_out_beside_its_name]
 COUNTED = [(depth_first, 6), (breadth_first, 6), (of_places_and_weights, 6),
            (made_of_itself, 7), (made_of_its_sums, 7), (made_of_its_rows, 7), (made_of_its_pairs, 7),
            (shifted, 6), (made_by_a_function_of_itself, 6),

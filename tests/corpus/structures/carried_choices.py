@@ -310,12 +310,41 @@ def each_with_each_other(x):
     return a.depth * b.depth + c.depth * d.depth
 
 
+def none_within_a_dictionary(x):
+    """What is new in a round is another dictionary, and `break` is within a branch of a branch."""
+    best, bad = {"loss": float("inf"), "w": None, "at": -1}, 0
+    for k in range(20):
+        v = (x[k % x.size] - 0.9) ** 2 + 0.02 * k
+        if v < best["loss"]:
+            best = {"loss": v, "w": x * k, "at": k}
+            bad = 0
+        else:
+            bad += 1
+            if bad >= 3:
+                break
+    return best["loss"] + np.sum(best["w"] ** 2) * 0.1 + best["at"]
+
+
+def none_within_a_tuple(x):
+    state = (0.0, None)
+    s = 0.0
+    for k in range(20):
+        if state[1] is not None and state[1] > 1.0:
+            s += state[0] * state[1]
+            state = (state[0] * 0.5, None)
+            if s > 4.0:
+                break
+        else:
+            state = (state[0] + x[k % x.size], x[k % x.size] * (1.0 if state[1] is None else 1.5 + state[1]))
+    return s + state[0]
+
+
 EVERY = (
     not_asked_whether_it_is_there, a_state_with_its_number,
     the_tuple_before, best_and_second, made_on_one_way, read_before_it_is_made, made_on_two_of_three_ways,
     swapped, rotated, the_arrays_before, left_by_a_break, the_object_before,
     in_nested_loops, a_tuple_a_number_or_none, one_in_another, one_in_an_object, one_in_a_tuple,
-    three_deep)
+    three_deep, none_within_a_dictionary, none_within_a_tuple)
 
 
 def cases():

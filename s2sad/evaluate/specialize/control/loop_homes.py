@@ -67,22 +67,41 @@ def _parts(objects: Objects, value: Value) -> list[tuple[Any, Value]] | None:
     return list(objects[value.number].items.items()) if isinstance(value, Reference) else None
 
 
+def _make(ev: Evaluator, objects: Objects, value: Value) -> Any:
+    """What a structure that nothing else holds is made as, and of which items; None of what is no such structure."""
+    if isinstance(value, TupleValue):
+        return "tuple", value.made, len(value.items)
+    held = objects.get(value.number) if isinstance(value, Reference) else None
+    if held is None or held.kind in ("frame", "class") or held.path or held.live is not None or not ev.is_listed(
+            value) and ev.heap.holders(value, objects) > 1:     # others hold it: it stays the one that it is
+        return None
+    return held.kind, held.made, tuple(held.items)
+
+
 def shape(ev: Evaluator, objects: Objects, value: Value) -> Any:
     """What must be the same in all rounds: all but the names and numbers in it."""
     if isinstance(value, Data):
         special = value.is_known and (value.known is None or isinstance(value.known, str))
         return ("data", value.known if special else "")
-    if isinstance(value, Reference):
-        held = objects.get(value.number)
-        if held is None or held.kind in ("frame", "class") or held.path or held.live is not None or not ev.is_listed(
-                value) and ev.heap.holders(value, objects) > 1:
-            return value            # others hold it: it stays the one that it is
-        return (held.kind, held.made, tuple((k, shape(ev, objects, v)) for k, v in held.items.items()))
     if isinstance(value, Choice):
         return "choice"
-    if isinstance(value, TupleValue):
-        return ("tuple", value.made, tuple(shape(ev, objects, v) for v in value.items))
-    return value
+    make = _make(ev, objects, value)
+    return value if make is None else (make, tuple(shape(ev, objects, v) for _, v in _parts(objects, value) or ()))
+
+
+def differing(ev: Evaluator, had: Any, first: tuple[Objects, Value], new: tuple[Objects, Value], wanted: str
+              ) -> tuple[str, Value] | None:
+    """The innermost slot that holds different things in different rounds, by its name, and what it holds at first; None
+    where all of them have their homes."""
+    if isinstance(had, ChoiceHome) or shape(ev, *first) == shape(ev, *new):
+        return None
+    make = _make(ev, *first)
+    if make is None or make != _make(ev, *new):
+        return wanted, first[1]
+    inner = zip(_parts(*first) or (), _parts(*new) or ())
+    found = (differing(ev, (had or {}).get(k), (first[0], v), (new[0], other), f"{wanted}_{k}")
+             for (k, v), (_, other) in inner)
+    return next((slot for slot in found if slot is not None), None)
 
 
 def home_of(ev: Evaluator, had: Any, first: tuple[Objects, Value], new: tuple[Objects, Value], wanted: str,
@@ -90,7 +109,8 @@ def home_of(ev: Evaluator, had: Any, first: tuple[Objects, Value], new: tuple[Ob
     """Names for the leaves of a value that a round changes, its own where nothing else has it; None for the others."""
     objects, value = first
     inner, after = _parts(objects, value), dict(_parts(*new) or ())
-    if isinstance(had, ChoiceHome) or isinstance(value, Choice) or isinstance(new[1], Choice):
+    if isinstance(had, ChoiceHome) or isinstance(value, Choice) or isinstance(new[1], Choice) or differing(
+            ev, None, first, new, wanted) == (wanted, value):
         return choice_home(ev, had, first, new, wanted, origin)
     if not hold_alike(value, new[1]):
         raise ev.refusal(origin, f"'{wanted}' is a list of other things in each round, or a deque of another length",

@@ -76,11 +76,13 @@ def rolled(ev: Evaluator, s: Any, *forms: Callable[[], Any] | None) -> None:
         forms = forms[-1:]
     before = ev.snapshot()
     pending, loops, guarded = list(ev.pending), list(ev.loops), ev.guarded
-    outer = ev.block
+    outer, untried = ev.block, ev.untried
     why: Unevaluated | None = None
     for form in forms:
         if form is None or why is not None and not why.differs and form is not forms[-1]:
             continue
+        if why is not None and why.choice not in ev.choices:
+            ev.untried = why.choice or untried
         try:
             form()
             return
@@ -93,6 +95,8 @@ def rolled(ev: Evaluator, s: Any, *forms: Callable[[], Any] | None) -> None:
             ev.block, ev.guarded = outer, guarded
             ev.restore(before)
             why = reason if why is None or _tells_more(ev, reason, why) else why
+        finally:
+            ev.untried = untried
     assert why is not None
     raise why from None
 

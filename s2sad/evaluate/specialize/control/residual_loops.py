@@ -20,7 +20,7 @@ from s2sad.evaluate.specialize.control.loop_closed_names import (
     close_names, forget_own_names, frames_around, read_outside,
 )
 from s2sad.evaluate.specialize.control.loop_homes import (
-    ChoiceHome, Move, at_once, choice_home, home_of, moved, names_of, placed, shape, size,
+    Move, at_once, differing, home_of, moved, names_of, placed, size,
 )
 from s2sad.evaluate.specialize.control.state_joins import Join
 from s2sad.evaluate.specialize.values import (
@@ -324,19 +324,25 @@ def _settle(ev: Evaluator, loop: ResidualLoop, head: Objects, ends: Sequence[Obj
                 if ev.is_listed(new) and (n, key) not in loop.listed:
                     loop.listed.add((n, key))
                     found = True
-                first = loop.start[n].items.get(key, old)
-                had, wanted = loop.homes.get((n, key)), held.name_of(key)
-                before = shape(ev, loop.start, first) if had is None else shape(ev, head, old)
-                if (site := residual_site(ev, (loop.start, first), (end, new))) is not None:
-                    raise ev.unknown(origin, f"'{key}' is another list in each round", site=site,
-                                     help="make it before the loop, and assign its items")
-                if isinstance(had, ChoiceHome) or before != shape(ev, end, new):
-                    if isinstance(new, Conflict) or wanted not in ev.choices and not isinstance(had, ChoiceHome):
-                        error = ev.refusal(origin, f"'{key}' is another structure in each round")
-                        begins = had is None and isinstance(first, Data) and first.known is None
-                        raise Unevaluated(error, differs=begins, choice=wanted)
-                    loop.homes[n, key] = choice_home(ev, had, (loop.start, first), (end, new), wanted, origin)
-                else:
-                    loop.homes[n, key] = home_of(ev, had, (loop.start, first), (end, new), wanted, origin)
+                had = loop.homes.get((n, key))
+                loop.homes[n, key] = _home(ev, loop, head, (n, key), (end, new), origin)
                 found |= size(loop.homes[n, key]) != size(had)
     return found
+
+
+def _home(ev: Evaluator, loop: ResidualLoop, head: Objects, slot: tuple[int, Any], new: tuple[Objects, Value],
+          origin: AST) -> Any:
+    """The home of a slot that a round changes, with room for what it holds behind it."""
+    n, key = slot
+    had, old, wanted = loop.homes.get(slot), head[n].items[key], head[n].name_of(key)
+    first = loop.start, loop.start[n].items.get(key, old)
+    if (site := residual_site(ev, first, new)) is not None:
+        raise ev.unknown(origin, f"'{key}' is another list in each round", site=site,
+                         help="make it before the loop, and assign its items")
+    differs = differing(ev, had, first if had is None else (head, old), new, wanted)
+    if isinstance(new[1], Conflict) or differs is not None and differs[0] not in ev.choices:
+        name, before = differs or (wanted, first[1])
+        begins = had is None and isinstance(before, Data) and before.known is None
+        error = ev.refusal(origin, f"'{key}' is another structure in each round")
+        raise Unevaluated(error, differs=begins, choice=name)
+    return home_of(ev, had, first, new, wanted, origin)

@@ -12,6 +12,8 @@ from s2sad.evaluate.specialize.values import LARGEST_SEQUENCE, NONE, Data, Value
 
 
 _MOST_EXITS = 64        # of a `while`, at each of which the run may leave it
+_SEVERAL = 4            # times that each round is evaluated, once for each of the ways that go on to it: a `break`
+                        # within two branches doubles them each round
 
 
 # -- loops that are written out --------------------------------------------------------------------------------------
@@ -23,10 +25,10 @@ def unrolled(ev: Evaluator, s: Any, cursor: Any, f: Frame, bind: Callable[[Value
     depth = len(ev.loops)
     ev.loops.append((after, NOWHERE))
 
-    count = 0
+    evaluated = 0
 
-    def rounds(cursor: Any) -> None:
-        nonlocal count
+    def rounds(cursor: Any, count: int) -> None:
+        nonlocal evaluated
         while True:
             ev.unrolled_loops[s] = max(count, ev.unrolled_loops.get(s, 0))
             found = cursor.next()
@@ -36,11 +38,14 @@ def unrolled(ev: Evaluator, s: Any, cursor: Any, f: Frame, bind: Callable[[Value
                 return
             item, cursor = found
             count += 1
+            evaluated += 1
+            if ev.untried and evaluated > _SEVERAL * (count + _SEVERAL):
+                raise ev.unknown(s, "the rounds of a loop are evaluated for each way that goes on to them")
             if count > LARGEST_SEQUENCE:
                 raise ev.refusal(s, f"a loop of more than {LARGEST_SEQUENCE} rounds, of which something must be known "
                                  "before the run", help="let it run over arrays")
             ev.loops[-1] = (after, NOWHERE)
-            ev.later(lambda cursor=cursor: rounds(cursor))
+            ev.later(lambda cursor=cursor, count=count: rounds(cursor, count))
             ev.pending.append(None)
             mark = len(ev.pending) - 1
             ev.loops[-1] = (after, mark)
@@ -53,7 +58,7 @@ def unrolled(ev: Evaluator, s: Any, cursor: Any, f: Frame, bind: Callable[[Value
             finally:
                 del ev.pending[mark - 1:]
     try:
-        rounds(cursor)
+        rounds(cursor, 0)
     except Leave as leave:
         if leave.mark != after:
             raise
