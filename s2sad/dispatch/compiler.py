@@ -5,6 +5,7 @@ disk what it calls goes without.
 """
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from types import FunctionType, MappingProxyType
@@ -13,6 +14,7 @@ from typing import Any
 from s2sad import pipeline, read
 from s2sad.evaluate.needs_evaluation import needs_evaluation
 from s2sad.evaluate.specialize import Residual, specialize, unread
+from s2sad.evaluate.specialize.evaluator import UNROLL_LIMIT
 from s2sad.evaluate.specialize.signals import OutsideError
 from s2sad.live_objects.registry import GIVEN
 from s2sad.live_objects.guards import Guards, Path, reached, recording, same
@@ -129,35 +131,42 @@ def _fits(value: Type, cell: Type) -> bool:
 
 def evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Path], facts: Mapping[Fact, Any],
               refused: S2sadError) -> FlatProgram:
-    """The residual program of a function for arguments of these forms, with its normal form; where calls stand in
-    the way they are written out, and where lists that grow in loops do, these loops. Raises S2sadError."""
+    """The residual program of a function for arguments of these forms, with its normal form; where a list that grows
+    in a loop of many rounds stands in the way the loop is written out, as are calls where they do, and then every loop
+    in which lists grow. Raises S2sadError."""
     parameters = program.kernels[program.entry].parameters
     found = first = None
-    for unrolls, inlines in ((False, False), (False, True), (True, True)):
+    stayed = False
+    for unrolls, inlines, limit in ((False, False, UNROLL_LIMIT), (False, False, math.inf), (False, True, math.inf),
+                                    (True, True, math.inf)):
+        if limit > UNROLL_LIMIT and not (inlines or stayed):
+            continue
         no_cells: frozenset[str] = frozenset()
         try:
             while True:
-                made = _evaluated(program, forms, varying, facts, refused, unrolls, inlines, no_cells)
-                found = made if found is None and not unrolls else found
+                made, stayed = _evaluated(program, forms, varying, facts, refused, unrolls, inlines, no_cells, limit)
+                found = made if found is None and not (unrolls or stayed) else found
                 made, misfits = _in_normal_form(made, parameters, forms)
                 if not misfits:
                     return made
                 no_cells |= misfits
         except S2sadError as error:
-            first = first or error
+            first = first or (None if stayed else error)
     if found is None:
         raise first or refused
     return found
 
 
 def _evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Path], facts: Mapping[Fact, Any],
-               refused: S2sadError, unrolls: bool, inlines: bool, no_cells: frozenset[str]) -> FlatProgram:
+               refused: S2sadError, unrolls: bool, inlines: bool, no_cells: frozenset[str], unroll_limit: float
+               ) -> tuple[FlatProgram, bool]:
+    """The residual program, and whether loops of many rounds stayed in it that could be written out."""
     with recording(Guards(varying)) as guards:
         reached(None, "root", 0, program.function)
         inside = program.refused is not None       # what reading has refused the evaluator may know more of
         try:
             residual = specialize(program.function, dict(zip(program.kernels[program.entry].parameters, forms)), facts,
-                                  unrolls, inlines, no_cells)
+                                  unrolls, inlines, no_cells, unroll_limit=unroll_limit)
             inside = False
             made = read.of_captured(residual, program.function)
         except S2sadError as error:
@@ -167,7 +176,7 @@ def _evaluated(program: Program, forms: tuple[Form, ...], varying: Collection[Pa
     made = replace(made, guards=guards, replaced=residual.replaced, evaluation=_evaluation(residual, facts),
                    changed_outside=residual.changed_outside)
     return FlatProgram(made, residual.paths, residual.cells, residual.result, residual.changed,
-                       residual.mutated, residual.live)
+                       residual.mutated, residual.live), residual.stayed
 
 
 def _evaluation(residual: Residual, facts: Mapping[Fact, Any]) -> Evaluation:

@@ -15,7 +15,7 @@ Functions of any form go in, and come out in the same. Integers raise as in the 
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 
 from s2sad.emit.scalar_kinds import CHOICES, CONVERT, FLOAT, INT, NARROW, OF_MATH, ScalarKinds
 from s2sad.infer.types import Type
@@ -57,6 +57,8 @@ class _NumpyScalars:
         self.tree, self.constants = tree, constants
         self.whose = ScalarKinds(tree, types, constants, known, results)
         self.before = ScalarKinds(tree, types, constants, known, results, as_it_is=True)
+        self.tests = _names_of_tests(self.whose.bound)
+        self.never: set[str] = set()        # names that cannot be NumPy's, as far as others are
 
     def choose_conversions(self) -> None:
         """Chooses the names that are converted where they are bound."""
@@ -84,47 +86,41 @@ class _NumpyScalars:
         """Converts what makes an operand NumPy's, if that can be."""
         operands = [node.right, node.left] if isinstance(node.op, Div) else [node.left, node.right]
         for operand in operands:
-            found = self.sources(operand, frozenset())
-            if found is not None:
-                self.whose.converted |= found
+            trail: dict[str, None] = {}
+            if self.can_be_numpys(operand, trail):
+                self.whose.converted |= trail.keys()
                 self.whose.find()
+                self.never.clear()
                 return
 
-    def sources(self, node: AST, seen: frozenset[str]) -> set[str] | None:
-        """The names that make an expression NumPy's if they are converted where they are bound; None if none do."""
+    def can_be_numpys(self, node: AST, trail: dict[str, None]) -> bool:
+        """Whether an expression is NumPy's if names are converted where they are bound, which go to the trail."""
         if self.whose.kind(node) <= NARROW:
-            return set()
+            return True
         if isinstance(node, Name):
-            return self.sources_of_name(node.id, seen)
+            return self.can_name_be_numpys(node.id, trail)
         if isinstance(node, UnaryOp):
-            return self.sources(node.operand, seen)
+            return self.can_be_numpys(node.operand, trail)
         if isinstance(node, BinOp):
-            left = self.sources(node.left, seen)
-            return self.sources(node.right, seen) if left is None else left
-        if isinstance(node, IfExp):
-            parts = [self.sources(node.body, seen), self.sources(node.orelse, seen)]
-        elif isinstance(node, Call) and call_name(node) in CHOICES:
-            parts = [self.sources(a, seen) for a in node.args]
-        else:
-            return None
-        return None if any(p is None for p in parts) else set().union(*filter(None, parts))
+            return self.can_be_numpys(node.left, trail) or self.can_be_numpys(node.right, trail)
+        parts = [node.body, node.orelse] if isinstance(node, IfExp) else node.args if isinstance(
+            node, Call) and call_name(node) in CHOICES else None
+        before = len(trail)
+        found = parts is not None and all(self.can_be_numpys(part, trail) for part in parts)
+        return found or _shorten(trail, before)
 
-    def sources_of_name(self, identifier: str, seen: frozenset[str]) -> set[str] | None:
-        if identifier in seen:
-            return set()
+    def can_name_be_numpys(self, identifier: str, trail: dict[str, None]) -> bool:
+        if identifier in trail or identifier in self.never:
+            return identifier in trail
         values = self.whose.bound.get(identifier, [])
         number = identifier in self.whose.parameters and self.whose.kinds[identifier] == FLOAT
-        if not number and (not values or self.whose.kinds.get(identifier) != FLOAT):
-            return None
-        found = {identifier}
-        for value in values:
-            if not isinstance(value, Constant):
-                more = self.sources(value, seen | {identifier}) if isinstance(value, AST) else (
-                    set() if value <= NARROW else None)
-                if more is None:
-                    return None
-                found |= more
-        return found
+        before, found = len(trail), number or bool(values) and self.whose.kinds.get(identifier) == FLOAT
+        trail[identifier] = None
+        if found and all(isinstance(value, Constant) or (self.can_be_numpys(value, trail) if isinstance(value, AST)
+                                                         else value <= NARROW) for value in values):
+            return True
+        self.never.add(identifier)
+        return _shorten(trail, before)
 
     # -- the text ---------------------------------------------------------------------------------------------------
 
@@ -133,7 +129,7 @@ class _NumpyScalars:
         for part in walk(new):
             target = part.targets[0] if isinstance(part, Assign) else None
             if isinstance(target, Name) and target.id in self.whose.converted and isinstance(part.value, Constant):
-                part.value = call(CONVERT, part.value)
+                part.value = call("numpy.complex128" if isinstance(part.value.value, complex) else CONVERT, part.value)
         return new
 
     def expression(self, node: AST) -> AST | None:
@@ -174,13 +170,28 @@ class _NumpyScalars:
 
     def is_converted_bool(self, node: AST) -> bool:
         """Whether a conversion has made a bool NumPy's, whose arithmetic is another one."""
-        return (_is_test(node, self.whose.bound, frozenset()) and self.whose.kind(node) <= NARROW
+        return (_is_test(node, self.tests) and self.whose.kind(node) <= NARROW
                 and self.before.kind(node) == INT)
 
 
-def _is_test(node: AST, bound: Mapping[str, list[AST | int]], seen: frozenset[str]) -> bool:
+def _shorten(trail: dict[str, None], length: int) -> bool:
+    """Takes back what was found since; False."""
+    while len(trail) > length:
+        trail.popitem()
+    return False
+
+
+def _names_of_tests(bound: Mapping[str, list[AST | int]]) -> set[str]:
+    found, before = set[str](), -1
+    while len(found) > before:
+        before = len(found)
+        for identifier, values in bound.items():
+            if identifier not in found and any(isinstance(v, AST) and _is_test(v, found) for v in values):
+                found.add(identifier)
+    return found
+
+
+def _is_test(node: AST, tests: Set[str]) -> bool:
     if isinstance(node, Name):
-        return node.id not in seen and any(
-            isinstance(value, AST) and _is_test(value, bound, seen | {node.id}) for value in bound.get(node.id, []))
-    return isinstance(node, Compare) or isinstance(node, BoolOp) and any(
-        _is_test(v, bound, seen) for v in node.values)
+        return node.id in tests
+    return isinstance(node, Compare) or isinstance(node, BoolOp) and any(_is_test(v, tests) for v in node.values)

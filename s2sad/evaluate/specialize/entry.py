@@ -10,6 +10,7 @@ derivatives of their own apart.
 """
 from __future__ import annotations
 
+import math
 import types
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -20,7 +21,7 @@ from s2sad.deep_stack import deep_stack
 from s2sad.diagnostics import Diagnostic, S2sadError
 from s2sad.evaluate.specialize.classes.class_lookup import class_value
 from s2sad.evaluate.specialize.evaluation_state import Frame
-from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.evaluator import UNROLL_LIMIT, Evaluator, operation
 from s2sad.evaluate.specialize.separate.call_view import NUMBER
 from s2sad.evaluate.specialize.signals import Leave, Reached, Unevaluated
 from s2sad.evaluate.specialize.entry_arguments import (
@@ -69,6 +70,7 @@ class Residual:
     live: frozenset[int]
     unrolled: tuple[tuple[SourcePlace, int], ...] = ()
     changed_outside: frozenset[str] = frozenset()
+    stayed: bool = False        # a loop of many rounds does, that could be written out
     given: Any = None
     residual: UserFunctionValue | None = None
 
@@ -99,40 +101,57 @@ def unread(function: Any, refused: S2sadError | None = None) -> Program:
 
 @deep_stack
 def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, Any], unrolls: bool = False,
-               inlines: bool = False, no_cells: frozenset[str] = frozenset(), is_given: bool = False) -> Residual:
+               inlines: bool = False, no_cells: frozenset[str] = frozenset(), is_given: bool = False,
+             unroll_limit: float = UNROLL_LIMIT) -> Residual:
     """The residual function of a function, live or of a file, for arguments of these forms; raises S2sadError,
     DemandedFacts where facts would help. Loops in which lists grow are written out where it `unrolls`, calls where it
     `inlines`; the numbers at the paths `no_cells` become something that cells of their types do not hold. Of a function
-    with a derivative of its own it is that of its body if it `is_given`, else a call of it."""
-    sites: frozenset[int | str] = frozenset()
-    cells: frozenset[str] = frozenset()
-    choices: frozenset[str] = frozenset()
+    with a derivative of its own it is that of its body if it `is_given`, else a call of it. A loop of more rounds than
+    `unroll_limit` stays one where a list of the run or a choice may be in it, unless that is refused."""
+    asked, stayed = _Asked(), False
     reached: list[tuple[str, Any, bool]] = []
     while True:
         captured = captured_of(function)
-        ev = Evaluator(captured.source, dict(facts), sites, unrolls, inlines, cells, choices)
+        ev = Evaluator(captured.source, dict(facts), asked.sites, unrolls, inlines, asked.cells, asked.choices,
+                       unroll_limit)
+        ev.stayed = stayed
         try:
             found = _evaluated(ev, function, captured, forms, reached, is_given)
-            if not (more := assigned_numbers(ev) - no_cells):
-                return found
-            cells |= more
+            if not (cells := assigned_numbers(ev) - no_cells):
+                return replace(found, stayed=ev.stayed)
+            asked = replace(asked, cells=asked.cells | cells)
         except Reached as found:
             reached.append((found.name, found.value, found.is_owned))
-        except Unevaluated as reason:
-            site = None if unrolls or reason.site is None else (
-                reason.site if isinstance(reason.site, str) else id(reason.site))
-            of_arguments = frozenset(fact for fact in reason.demands if fact[1] != NUMBER)
-            if of_arguments:
-                raise DemandedFacts(of_arguments, reason.error) from None
-            if reason.demands and not inlines:      # what a function of its own makes of numbers is known where it is
-                raise reason.error from None        # written out
-            if reason.choice and reason.choice not in choices:
-                choices |= {reason.choice}
-                continue
-            asked = {site} if site is not None and site not in sites else {*map(id, () if unrolls else ev.limited)}
-            if asked <= sites:
-                raise reason.error from None
-            sites |= asked
+        except (Unevaluated, S2sadError) as reason:
+            more = asked.extended(ev, reason) if isinstance(reason, Unevaluated) else None
+            if more is None and not ev.stayed:
+                raise (reason.error if isinstance(reason, Unevaluated) else reason) from None
+            if more is None:
+                unroll_limit, ev.stayed = math.inf, False
+            asked = more or _Asked()
+        stayed = ev.stayed
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What an evaluation was found to need: lists of the run, numbers in objects that have cells, slots with choices."""
+    sites: frozenset[int | str] = frozenset()
+    cells: frozenset[str] = frozenset()
+    choices: frozenset[str] = frozenset()
+
+    def extended(self, ev: Evaluator, reason: Unevaluated) -> _Asked | None:
+        """With what would help, None if nothing would; raises DemandedFacts where facts of arguments do."""
+        of_arguments = frozenset(fact for fact in reason.demands if fact[1] != NUMBER)
+        if of_arguments:
+            raise DemandedFacts(of_arguments, reason.error) from None
+        if reason.demands and not ev.inlines:       # what a function of its own makes of numbers is known where it is
+            return None                             # written out
+        if reason.choice and reason.choice not in self.choices:
+            return replace(self, choices=self.choices | {reason.choice})
+        site = None if ev.unrolls or reason.site is None else (
+            reason.site if isinstance(reason.site, str) else id(reason.site))
+        more = {site} if site is not None and site not in self.sites else {*map(id, () if ev.unrolls else ev.limited)}
+        return None if more <= self.sites else replace(self, sites=self.sites | more)
 
 
 def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[str, Form],

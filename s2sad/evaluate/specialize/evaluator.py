@@ -32,6 +32,7 @@ from s2sad.read.outside_values import Library as LibraryMeaning
 from s2sad.tree import AST
 
 LARGEST = 20_000        # statements of a residual function
+UNROLL_LIMIT = 24       # rounds of a loop that is written out where it would stay one with lists of the run, or choices
 LARGEST_UNROLLED = 4_000        # where loops are written out for want of anything better
 
 
@@ -78,13 +79,15 @@ class Evaluator(Operations):
 
     def __init__(self, source: Source, facts: dict[Fact, Any], sites: frozenset[int | str],
                  unrolls: bool = False, inlines: bool = False, cells: frozenset[str] = frozenset(),
-                 choices: frozenset[str] = frozenset()):
+                 choices: frozenset[str] = frozenset(), unroll_limit: float = UNROLL_LIMIT):
         self.source, self.facts, self.sites, self.unrolls, self.inlines = source, facts, sites, unrolls, inlines
         self.cell_paths, self.cells = cells, list[Cell]()
         self.choices = choices          # the slots that may hold choices of other things than functions
         self.found_none: frozenset[Any] = frozenset()       # the slots that hold None of several things, in a statement
         self.decisions = 0              # how often a statement was evaluated for one of several things
-        self.untried = ""               # a slot that would be a choice if the loops around were not written out
+        self.unroll_limit = unroll_limit            # rounds of a loop that is written out though it may stay one
+        self.may_stay = False           # a loop around would stay one with a list of the run or a choice
+        self.stayed = False             # and did, for its rounds are many
         self.unrolled_loops: dict[AST, int] = {}    # those that are written out, and how often
         self.heap, self.names = Heap(), Names()
         self.births, self.born = 0, dict[str, int]()       # when each residual name was made

@@ -76,13 +76,12 @@ def rolled(ev: Evaluator, s: Any, *forms: Callable[[], Any] | None) -> None:
         forms = forms[-1:]
     before = ev.snapshot()
     pending, loops, guarded = list(ev.pending), list(ev.loops), ev.guarded
-    outer, untried = ev.block, ev.untried
+    outer, may_stay = ev.block, ev.may_stay
     why: Unevaluated | None = None
     for form in forms:
         if form is None or why is not None and not why.differs and form is not forms[-1]:
             continue
-        if why is not None and why.choice not in ev.choices:
-            ev.untried = why.choice or untried
+        ev.may_stay = may_stay or why is not None and _may_stay(ev, why)
         try:
             form()
             return
@@ -96,9 +95,15 @@ def rolled(ev: Evaluator, s: Any, *forms: Callable[[], Any] | None) -> None:
             ev.restore(before)
             why = reason if why is None or _tells_more(ev, reason, why) else why
         finally:
-            ev.untried = untried
+            ev.may_stay = may_stay
     assert why is not None
     raise why from None
+
+
+def _may_stay(ev: Evaluator, why: Unevaluated) -> bool:
+    """Whether a loop may stay one where a list is one of the run, or a slot a choice."""
+    return not ev.unrolls and why.site is not None and why.site not in ev.sites and id(why.site) not in ev.sites or (
+        bool(why.choice) and why.choice not in ev.choices)
 
 
 def _tells_more(ev: Evaluator, reason: Unevaluated, other: Unevaluated) -> bool:
