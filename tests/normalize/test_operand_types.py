@@ -227,3 +227,90 @@ def test_every_way_to_call(call):
 
 def element(u, k):
     return u[k] ** 2
+
+
+def halved(u, k):
+    a = np.arange(3)
+    a *= 0.5
+    return a @ u
+
+
+def divided(u, k):
+    a = np.arange(3)
+    a /= 2
+    return a @ u
+
+
+def moved(u, k):
+    a = np.arange(3)
+    a[1:] -= u[1:]
+    return a @ u
+
+
+def masked(u, k):
+    a = np.arange(3)
+    a[a > 1] *= 1.5
+    return a @ u
+
+
+def turned(u, k):
+    a = np.ones(3)
+    a *= 1j
+    return (a * u).real.sum()
+
+
+def counted_in(u, k):
+    a = np.zeros(3, bool)
+    a += u > 0.5
+    a[0] = True
+    n = np.arange(3)
+    n *= 2
+    n[1] += k
+    n[2] += 0.7
+    w = np.ones(3, np.float32)
+    w *= 0.5
+    return a @ u + n @ u ** 2 + np.sum(w * u)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@pytest.mark.parametrize("kernel, held, made", [
+    (halved, "int64", "float64"), (divided, "int64", "float64"), (moved, "int64", "float64"),
+    (masked, "int64", "float64"), (turned, "float64", "complex128")])
+def test_arrays_that_do_not_hold_what_they_get_in_place(kernel, held, made, engine):
+    """NumPy raises UFuncTypeError; a store would round."""
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(s2sad.differentiate(kernel, engine=engine), "u")(np.ones(3), 2)
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.message, found.help) == (
+        "S203", f"an array of {held} is changed in place, and what it gets is {made}",
+        f"make it one of {made}: dtype={made.rstrip('0123456789')}, or a.astype(...)")
+    with pytest.raises(TypeError):
+        kernel(np.ones(3), 2)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_arrays_that_hold_what_they_get_in_place(engine):
+    u = np.array([0.3, 0.7, 0.9])
+    value, gradient = s2sad.value_and_gradient(s2sad.differentiate(counted_in, engine=engine), "u")(u, 3)
+    assert value == pytest.approx(counted_in(u, 3), rel=1e-15)
+    np.testing.assert_allclose(gradient, [1.5, 2 * 5 * 0.7 + 1.5, 2 * 4 * 0.9 + 1.5], rtol=1e-15)
+
+
+def negated(u, k):
+    return np.sum(-(u > 0.5) * u)
+
+
+def exchanged(u, k):
+    return np.sum(((u > 0.5) - (u < 0.8)) * u)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@pytest.mark.parametrize("kernel", [negated, exchanged])
+def test_bools_have_no_minus(kernel, engine):
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(s2sad.differentiate(kernel, engine=engine), "u")(np.ones(3), 2)
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.message, found.help) == (
+        "S203", "an array of bools has no minus", "write ~a, a ^ b, or a.astype(int)")
+    with pytest.raises(TypeError):
+        kernel(np.ones(3), 2)

@@ -140,8 +140,10 @@ def delete(ev: Evaluator, s: Any, f: Frame) -> None:
                 del items[key]
                 ev.heap.set_items(base, items)
             else:
-                listed = list(held.items.values())
-                del listed[ev.known_place(place, target)]
+                listed, k = list(held.items.values()), ev.known_place(place, target)
+                if isinstance(k, int) and not -len(listed) <= k < len(listed):
+                    raise ev.no_item(f"{ev.subject(base, target)} has {len(listed)} items, and no item {k}", target)
+                del listed[k]
                 ev.heap.set_items(base, dict(enumerate(listed)))
         else:
             raise ev.refusal(s, "an attribute is deleted", help="assign None to it")

@@ -134,7 +134,7 @@ def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, An
 
 @dataclass(frozen=True)
 class _Asked:
-    """What an evaluation was found to need: lists of the run, numbers in objects that have cells, slots with choices."""
+    """What an evaluation was found to need: lists of the run, numbers in objects with cells, slots with choices."""
     sites: frozenset[int | str] = frozenset()
     cells: frozenset[str] = frozenset()
     choices: frozenset[str] = frozenset()

@@ -10,13 +10,17 @@ refused: a float, where a bound of range is an integer
 
     x[k]        x[:k]       np.zeros(n)         1 << n              with n or k a float
     k * x       -k      k > 0       x[0] = k        np.sin(k)       with k None or a str
+    a *= 0.5    a[1:] -= x                              with a an array of integers
+    -a          a - b                                   with a and b arrays of bools
 
 Requires structured form and types; changes nothing. Python and NumPy raise TypeError or IndexError there, whatever the
-value is; Numba rounds bounds of loops and slices.
+value is; Numba rounds bounds of loops and slices, and what is stored in place.
 """
 from __future__ import annotations
 
 from collections.abc import Iterator
+
+import numpy as np
 
 from s2sad.diagnostics import Report
 from s2sad.infer.inference import Typing
@@ -27,8 +31,8 @@ from s2sad.normalize.context import NormalContext
 from s2sad.rules import find, find_array
 from s2sad.tree import (
     AST, Assert, Assign, AugAssign, BinOp, BitAnd, BitOr, BitXor, Call, Compare, Constant, Expr, FunctionDef, Gt, GtE,
-    Invert, LShift, Lt, LtE, Name, Not, RShift, Raise, Slice, Subscript, UnaryOp, call_name, children, indices,
-    times_bound, walk_statements,
+    Invert, LShift, Lt, LtE, Name, Not, RShift, Raise, Slice, Sub, Subscript, USub, UnaryOp, call_name, children,
+    indices, times_bound, walk_statements,
 )
 
 RANGE, PLACE, BOUND, SIZE = "a bound of range", "an index", "a bound of a slice", "a size"
@@ -70,11 +74,33 @@ class OperandTypes:
             if kind.kind in ("none", "text"):
                 self._refuse(operand if getattr(operand, "lineno", None) else node, operand, kind, NUMBER)
                 return
+        if (found := self._misfit(node) or self._minus_of_bools(node)) is not None:
+            self.report.error("S203", found[0], node, help=found[1])
+            return
         for what, operand in _operands(node):
             kind = self.typing.of(operand)
             if _is_wrong(kind, what) or what == PLACE and kind.dtype == "bool" and kind.is_number and (
                     self.typing.of(node.value).is_array):
                 self._refuse(operand if getattr(operand, "lineno", None) else node, operand, kind, what)
+
+    def _misfit(self, node: AST) -> tuple[str, str] | None:
+        """What is said of an array that is changed in place by what its dtype does not hold; NumPy's `same_kind`."""
+        if not isinstance(node, AugAssign):
+            return None
+        held, made = self.typing.of(node.target), self.typing.of(BinOp(node.target, node.op, node.value))
+        if not held.is_array or not held.dtype or not made.dtype or np.can_cast(made.dtype, held.dtype, "same_kind"):
+            return None
+        return (f"an array of {held.dtype} is changed in place, and what it gets is {made.dtype}",
+                f"make it one of {made.dtype}: dtype={made.dtype.rstrip('0123456789')}, or a.astype(...)")
+
+    def _minus_of_bools(self, node: AST) -> tuple[str, str] | None:
+        """What is said of a minus of arrays of bools, which NumPy does not have."""
+        operands = [node.operand] if isinstance(node, UnaryOp) and isinstance(node.op, USub) else [
+            node.left, node.right] if isinstance(node, BinOp) and isinstance(node.op, Sub) else []
+        kinds = [self.typing.of(o) for o in operands]
+        if not any(k.is_array for k in kinds) or any(k.dtype != "bool" for k in kinds):
+            return None
+        return "an array of bools has no minus", "write ~a, a ^ b, or a.astype(int)"
 
     def _refuse(self, place: AST, operand: AST, kind: Type, what: str) -> None:
         name = self._argument(operand)

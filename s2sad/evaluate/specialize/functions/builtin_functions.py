@@ -37,7 +37,27 @@ def _range(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 
 @function("builtins.zip")
 def _zip(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    if "strict" in options and ev.known(options["strict"], node, "strict="):
+        args = [ev.atoms(a, "items", node) for a in args]
+        lengths = [ev.length(a, node, f) for a in args]
+        for other in lengths[1:]:
+            _same_length(ev, lengths[0], other, node)
     return ev.iterator("zip", *args)
+
+
+def _same_length(ev: Evaluator, one: Any, other: Any, node: AST) -> None:
+    """The check of zip(strict=True), before the first item is read."""
+    message = "zip(strict=True) of sequences of other lengths"
+    if not (one.is_known and other.is_known):
+        test = tree.compare(ev.spelled(one, node), tree.NotEq(), ev.spelled(other, node))
+        raising = [tree.const(message)]
+        ev.branch(Data(tree.at(test, node), demands=one.demands | other.demands), (
+            lambda: ev.raises("builtins.ValueError", raising, node), lambda: None), node)
+    elif one.known != other.known:
+        ev.throws(ValueError, node)
+        if not ev.is_sure():
+            ev.raises("builtins.ValueError", [tree.const(message)], node)
+        raise ev.refusal(node, f"zip(strict=True) of {one.known} and {other.known} items", code="S203")
 
 
 @function("builtins.enumerate")
