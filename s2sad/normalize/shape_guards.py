@@ -27,6 +27,7 @@ EXCHANGED = "names swap arrays of different sizes in a branch: swap what arrays 
 LEFT = "a size of np.reshape is negative: write -1 where it stands, or bind it to a name of its own: n = -1"
 ELEMENTS = "an array is reshaped to another number of elements: give np.reshape sizes that multiply to its own"
 EMPTY = "there is no maximum or minimum of no elements: ask whether there are any before"
+MASK = "an array of bools has another size than what it picks from"
 SPARSE = "a sparse matrix and what it meets differ in size"
 
 
@@ -38,6 +39,11 @@ def sparse_size_matches(a: AST, b: AST) -> Assert:
 def shapes_equal(a: AST, b: AST) -> Assert:
     """The guard that two shapes, or two sizes, are equal."""
     return Assert(compare(a, Eq(), b), const(EQUAL))
+
+
+def mask_fits(a: AST, b: AST) -> Assert:
+    """The guard that an array of bools is as long as the axis that it picks from."""
+    return Assert(compare(a, Eq(), b), const(MASK))
 
 
 def same_element_count(a: AST, b: AST) -> Assert:

@@ -179,6 +179,7 @@ class AccessPaths:
             self.report.error("S201", f"the global array '{base[6:]}' is written", target,
                               help="pass it as an argument")
         new = index(name(base), *([self.unaliased(s, base, target) for s in subscripts] or (const(...),)))
+        self.preceding += self.allocations.mask_guards(new) if self.loops else []
         return at(new, target) if hasattr(target, "lineno") else new
 
     def unaliased(self, subscript: AST, base: str, target: AST) -> AST:
@@ -220,6 +221,7 @@ class AccessPaths:
             self.report.error("S201", "an array meets a tuple or list that is spelled out", node,
                               help="make it an array: np.array([...])")
         self.preceding += self.allocations.function_guards(made, self.loops)
+        self.preceding += self.allocations.mask_guards(made) if self.loops else []      # NumPy raises by itself
         return made
 
     def item(self, value: AST, node: Subscript) -> AST:

@@ -18,7 +18,7 @@ from s2sad.infer.signatures.laws import FITTING, INNER, ONE, Shape
 from s2sad.infer.shapes import Shapes, shape_expression
 from s2sad.infer.types import Type
 from s2sad.normalize.array_anf import is_function
-from s2sad.normalize.shape_guards import shapes_equal, sparse_size_matches, written
+from s2sad.normalize.shape_guards import mask_fits, shapes_equal, sparse_size_matches, written
 from s2sad.tree import (
     AST, Assign, Attribute, Call, Constant, List, Name, Slice, Subscript, Tuple, assign, attribute, call, call_name,
     children, const, copy, dump, index, indices, name, tuple_of, walk,
@@ -127,6 +127,29 @@ class Allocations:
         fitting = [guard for n in functions for guard in self.entries_fit(n, loops)]
         return fitting + [guard for o in operands if len({dump(p) for p in array_operands(o, self.typing)}) > 1
                 for guard in self.operands_fit(o, self.shapes.of(o))]
+
+    def mask_guards(self, node: AST) -> list[AST]:
+        """Guards that arrays of bools are as long as what they pick from: loops go through the one and index the
+        other."""
+        made: list[AST] = []
+        for n in walk(node):
+            if not isinstance(n, Subscript) or not self.typing.of(n.value).is_array:
+                continue
+            sizes, axis = self.shapes.of(n.value), 0
+            for s in self.shapes.full(indices(n), len(sizes)):
+                kind = None if isinstance(s, (Slice, Constant)) else self.typing.of(s)
+                if kind is not None and kind.is_array and kind.dtype == "bool":
+                    made += [guard for x, y in zip(sizes[axis:], self.shapes.of(s)) for guard in self.mask_fits(x, y)]
+                axis += self.shapes.width(s)
+        return made
+
+    def mask_fits(self, x: Affine | None, y: Affine | None) -> list[AST]:
+        """The guard that two sizes are equal, if that is not known."""
+        if x is None or y is None or self.shapes.are_equal(x, y):
+            return []
+        guard = mask_fits(self.shapes.extent(x), self.shapes.extent(y))
+        self.shapes.unify(x, y)
+        return [guard]
 
     def entries_fit(self, node: Call, loops: bool) -> list[AST]:
         """Guards that the operands of a function fit each other, where its law says how."""

@@ -3,7 +3,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from s2sad.normalize.library.expansions.templates import CallArguments, empty, guard, lines, part, size, sizes
+from s2sad.normalize.library.expansions.templates import (
+    NOT_AS_MANY, CallArguments, empty, guard, lines, part, size, sizes,
+)
 
 
 def _trapezoid(args: CallArguments) -> str:
@@ -82,6 +84,7 @@ def _boundary_differences(at: Callable[[str, str], str], n: str, uniform: bool, 
 def _interp(args: CallArguments) -> str:
     """At a point of the table the slope is the one on its left; outside of it 0."""
     last = f"{size('xp', 0)} - 1"
+    fits = guard(f"{size('fp', 0)} == {size('xp', 0)}", NOT_AS_MANY)
     right = "right" if args.has("right") else f"fp[{last}]"
 
     def value(point: str, result: str, indent: str) -> list[str]:
@@ -93,8 +96,8 @@ def _interp(args: CallArguments) -> str:
             f"elif place > {last}:", f"    {result} = {right}", "else:",
             f"    {result} = fp[place - 1] + {slope} * ({point} - xp[place - 1])")]
     if args.rank("x") == 0:
-        return lines(*value("x", "result", ""))
-    return lines(f"result = {empty([size('x', 0)], 'float64')}", f"for position in range({size('x', 0)}):",
+        return lines(fits, *value("x", "result", ""))
+    return lines(fits, f"result = {empty([size('x', 0)], 'float64')}", f"for position in range({size('x', 0)}):",
                  *value("x[position]", "result[position]", "    "))
 
 
