@@ -11,7 +11,9 @@ from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation, statement
 from s2sad.evaluate.specialize.frames import local_names
 from s2sad.evaluate.specialize.heap import Object
-from s2sad.evaluate.specialize.values import ClassValue, FunctionValue, LibraryValue, Reference, Value
+from s2sad.evaluate.specialize.values import (
+    ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, SliceValue, Value,
+)
 from s2sad.read.outside_values import Captured, Namespace, Unusable
 from s2sad.tree import AST
 
@@ -130,6 +132,9 @@ def delete(ev: Evaluator, s: Any, f: Frame) -> None:
             ev.heap.set_items(f.reference, items)
         elif isinstance(target, tree.Subscript):
             base, place = ev.values([target.value, target.slice], f)
+            if isinstance(base, Data) and base.is_list and not isinstance(place, SliceValue):
+                ev.call(MethodValue(base, "pop"), [place], {}, target, f)
+                continue
             if not isinstance(base, Reference) or ev.heap[base].kind not in ("list", "dict"):
                 raise ev.refusal(s, "del of this is not supported in a kernel")
             held = ev.change(base, target)

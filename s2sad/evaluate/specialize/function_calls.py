@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate import library_functions, random_numbers
+from s2sad.evaluate import library_functions, list_functions, random_numbers
 from s2sad.evaluate.effects import is_writing_call
 from s2sad.evaluate.mutating_calls import stored_out
 from s2sad.evaluate.specialize.control.choice_joins import are_functions
@@ -30,7 +30,7 @@ from s2sad.live_objects.registry import GIVEN
 from s2sad.read.outside_values import library_value
 from s2sad.tree import AST
 
-_OF_LIBRARIES = (random_numbers.__file__, library_functions.__file__)
+_OF_LIBRARIES = (random_numbers.__file__, library_functions.__file__, list_functions.__file__)
 DEEPEST = 60        # calls within calls: beyond, recursion does not end for what is known
 
 
@@ -111,8 +111,9 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
         return _one_of(ev, function, args, keywords, node, f)
     if isinstance(function, MethodValue):
         if isinstance(function.base, Data) and not isinstance(function.base.known, str):
-            if function.base.is_list and (
-                    found := ev.residual_list_method(function.base, function.name, args, node, f)) is not None:
+            found = ev.residual_list_method(function.base, function.name, args, keywords, node, f) if (
+                function.base.is_list) else None
+            if found is not None:
                 return found
             if function.name == "append" and isinstance(function.base.node, tree.Subscript):
                 raise ev.unknown(

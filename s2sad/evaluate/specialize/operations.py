@@ -158,6 +158,7 @@ class Operations:
     while_with_else: Callable[..., Any]
     used: Callable[..., Any]
     written_function: Callable[..., Any]
+    called_here: Callable[..., Any]
     dictionary_method: Callable[..., Any]
     is_attribute_dictionary: Callable[..., Any]
     assign_class_attribute: Callable[..., Any]

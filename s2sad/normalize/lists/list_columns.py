@@ -7,8 +7,8 @@
                                             row_1 = todo_1.pop()
                                             s += row_1 * y[row_0]
 
-Requires resolved names, and no comprehensions. All that is put into such a list is a tuple that is spelled out, and of
-what is read of it only items are used; any other list stays one, whose rows have one type.
+Requires resolved names, and no comprehensions. All that is put into such a list is a tuple that is spelled out, or a
+row of another one, and of what is read of it only items are used; any other list stays one, whose rows have one type.
 """
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from collections.abc import Callable, Collection
 
 from s2sad.normalize.lists.list_statements import appended_list, grown_lists, popped_list
 from s2sad.tree import (
-    AST, Assert, Assign, BoolOp, Call, Compare, Constant, Expr, FunctionDef, List, Load, Name, Store, Subscript, Tuple,
-    UnaryOp, assign, at, attribute, call_name, children, const, copy, dump, head_copy, index, name, names, rebuild,
-    walk, with_body,
+    AST, Assert, Assign, BoolOp, Call, Compare, Constant, Expr, FunctionDef, List, Load, Name, Slice, Store, Subscript,
+    Tuple, UnaryOp, assign, at, attribute, call_name, children, const, copy, dump, head_copy, index, name, names,
+    rebuild, walk, with_body,
 )
 
 Fresh = Callable[[str], str]
@@ -53,13 +53,23 @@ class _Rows:
             self.lists = {n: w for n, w in self.lists.items() if self.is_read_by_item(n, w)}
 
     def widths(self, lists: list[str]) -> dict[str, int]:
-        """The lists in which tuples that are spelled out are put, and names."""
+        """The lists in which tuples are put, spelled out or as rows of other lists."""
         found: dict[str, set[int]] = {n: set() for n in lists}
+        sources: dict[str, set[str]] = {}
         for s in self.nodes:
             for listed, item in put_items(s):
-                if listed in found and not isinstance(item, Name):
+                if listed in found and isinstance(item, Name) or item_source(item) in found:
+                    sources.setdefault(listed, set()).add(item_source(item) or item.id)
+                elif listed in found:
                     found[listed].add(len(item.elts) if isinstance(item, Tuple) else -1)
-        return {n: w for n, several in found.items() if len(several) == 1 and (w := next(iter(several))) > 0}
+            if isinstance(s, Assign) and len(s.targets) == 1 and isinstance(s.targets[0], Name) and (
+                    source := row_source(s, found)):
+                sources.setdefault(s.targets[0].id, set()).add(source)
+        while more := {(n, w) for n, several in sources.items() for m in several for w in found.get(m, ())
+                       if w not in found.get(n, ())}:
+            for n, w in more:
+                found.setdefault(n, set()).add(w)
+        return {n: w for n in lists if len(found[n]) == 1 and (w := next(iter(found[n]))) > 0}
 
     def row_names(self, parameters: set[str]) -> dict[str, int]:
         """The names that are rows of such lists and nothing else, of which only items are read."""
@@ -112,8 +122,13 @@ class _Rows:
             elif call_name(n) == "builtins.len":
                 allowed.add(id(n.args[0]))
             allowed |= {id(t) for t in _truths(getattr(n, "test", None))}
+            allowed |= {id(i.value) for found, i in put_items(n) if item_source(i) == listed
+                        and self.lists.get(found) == width}
         names_put = [i for s in self.nodes for found, i in put_items(s) if found == listed and isinstance(i, Name)]
+        taken = [source for s in self.nodes for found, i in put_items(s) if found == listed and (
+            source := item_source(i))]
         return all(self.rows.get(i.id) == width for i in names_put) and all(
+            self.lists.get(source) == width for source in taken) and all(
             isinstance(n.ctx, Store) or id(n) in allowed for n in self.occurrences[listed])
 
 
@@ -128,6 +143,12 @@ def put_items(statement: AST) -> list[tuple[str, AST]]:
         elif isinstance(target, Subscript) and isinstance(target.value, Name):
             found.append((target.value.id, statement.value))
     return found
+
+
+def item_source(item: AST) -> str:
+    """The name of what an item is picked from, "" of other expressions."""
+    base = item.value if isinstance(item, Subscript) and not isinstance(item.slice, Slice) else None
+    return base.id if isinstance(base, Name) else ""
 
 
 def row_source(statement: AST, lists: Collection[str]) -> str:
@@ -197,6 +218,9 @@ class _Columns:
         before: list[AST] = []
         if isinstance(item, Name):
             return [], [name(n) for n in self.names[item.id]]
+        if item_source(item) in self.lists:
+            before, place = self.place(item)
+            return before, [index(name(n), copy(place)) for n in self.names[item_source(item)]]
         items = [self.read(i) for i in item.elts]
         if any(n in self.lists for n in names(item)):
             held = [self.fresh("item") for _ in items]
@@ -211,13 +235,17 @@ class _Columns:
         if popped_list(s) is not None:
             return [assign(r, Call(attribute(name(n), "pop"), [copy(s.value.args[0])], []))
                     for r, n in zip(self.names[row], self.names[listed])]
-        place = self.read(s.value.slice)
-        before: list[AST] = []
-        if any(isinstance(n, Call) for n in walk(place)):
-            before += [assign(held := self.fresh("place"), place)]
-            place = name(held)
+        before, place = self.place(s.value)
         return [*before, *(assign(r, index(name(n), copy(place))) for r, n in zip(
             self.names[row], self.names[listed]))]
+
+    def place(self, item: Subscript) -> tuple[list[AST], AST]:
+        """The place of an item of a list, under a name where a call computes it."""
+        place = self.read(item.slice)
+        if not any(isinstance(n, Call) for n in walk(place)):
+            return [], place
+        held = self.fresh("place")
+        return [assign(held, place)], name(held)
 
     def read(self, node: AST) -> AST:
         return rebuild(node, self.change)

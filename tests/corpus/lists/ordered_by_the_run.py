@@ -98,8 +98,66 @@ def five_objects(x):
     return sum(i * p.v for i, p in enumerate(ps))
 
 
-EVERY = (an_array, numbers, by_a_key, equal_keys, tuples, the_extreme_objects, objects, a_population, an_array_of_some,
-         a_name)
+def of_the_run(x):
+    us = [v * v for v in x if v > 0.4]
+    s = sum((k + 1) * u for k, u in enumerate(sorted(us)))
+    s += sum((k + 1) * u ** 2 for k, u in enumerate(sorted(us, reverse=True)))
+    us.sort(key=lambda v: (v - 0.6) ** 2, reverse=True)
+    return s + us[0] * us[1]
+
+
+def rows_of_the_run(x):
+    us = [(v * v, np.sin(3 * v)) for v in x if v > 0.4]
+    s = 0.0
+    for k, (a, b) in enumerate(sorted(us, key=lambda p: p[1])):
+        s += (k + 1) * a * b
+    for k, (a, b) in enumerate(sorted(us)):
+        s += (k + 1) * a * b ** 2
+    return s + min(us)[0] * max(us)[1] + max(us, key=lambda p: p[1] - p[0])[0]
+
+
+def equal_ones_of_the_run(x):
+    us = [(k % 3, x[k % 5], k) for k in range(7) if x[k % 5] > 0.0]
+    s = 0.0
+    for j, (_, b, c) in enumerate(sorted(us, key=lambda u: u[0], reverse=True)):
+        s += (j + 2) * b * (c + 1)
+    for j, (_, b, c) in enumerate(sorted(us, reverse=True)):
+        s += (j + 3) * b ** 2 * (c + 1)
+    m, n = max(us, key=lambda u: u[0]), min(us, key=lambda u: (u[0], 1))
+    us.sort(key=lambda u: u[0])
+    return s + m[1] * m[2] + n[1] * (n[2] + 3) + sum((j + 1) * b for j, (_, b, _) in enumerate(us))
+
+
+def objects_of_the_run(x):
+    ps = []
+    for k, v in enumerate(x):
+        if v > 0.4:
+            ps.append(Particle(v, k + x[0]))
+    ps.sort(key=lambda p: p.m * p.v)
+    best = min(ps, key=lambda p: (p.v - 0.5) ** 2)
+    last = sorted(ps, key=lambda p: (-p.v, p.m))[-1]
+    return sum((k + 1) * p.v ** 2 for k, p in enumerate(ps)) + best.m * best.v + last.m
+
+
+def arrays_with_numbers(x):
+    ps = []
+    for v in x:
+        if v > 0.4:
+            ps.append((np.sum(np.cos(x * v)), x * v))
+    ps.sort(key=lambda p: p[0])
+    return np.sum(ps[0][1] ** 2) + ps[-1][0] + min(ps, key=lambda p: -p[0])[1][1]
+
+
+def known_rows(x):
+    ps = [(np.sin(3 * v), k, v) for k, v in enumerate(x)]
+    a, b = min(ps), max((x[0], 1), (x[1], 2), (x[2], x[3]))
+    c = sorted((np.cos(v), k) for k, v in enumerate(x))
+    return a[0] * (a[1] + 1) + b[0] * b[1] + c[1][0] * c[2][1] + min(x, key=lambda v: (int(2 * v + 0.3), -v))
+
+
+EVERY = (of_the_run, rows_of_the_run, equal_ones_of_the_run, objects_of_the_run, arrays_with_numbers, known_rows,
+         by_tuples, an_array, numbers, by_a_key, equal_keys, tuples, the_extreme_objects, objects, a_population,
+         an_array_of_some, a_name)
 
 
 def extremes_of_no_items(x, level):
@@ -116,8 +174,6 @@ def cases():
     x = np.array([0.31, 0.93, 0.5, 1.2, 0.7])
     for kernel in EVERY:
         yield Case(kernel, (x,), "x")
-    yield Case(by_tuples, (x,), refused="S201 at `sorted([x[0], x[1]], key=lambda v: (v > 0.5, v))`: a list is sorted "
-               "by what is not known before the run")
     for kernel, part in ((many_objects, "max(ps, key=lambda p: p.v)"),
                          (five_objects, "sorted([Particle(v, 1.0) for v in x], key=lambda p: p.v)")):
         yield Case(kernel, (x,), refused=f"S201 at `{part}`: what a list is sorted by must be known before the run: "

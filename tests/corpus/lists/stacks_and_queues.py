@@ -455,10 +455,57 @@ def beyond_the_end(x):
     return q[2] if x[1] > 0.7 else q[0]
 
 
+def changed_within(x):
+    us, t = [], 0.0
+    while t < 1.0:
+        us.insert(0, x[0] * t)
+        t += 0.3 * x[0]
+        us.insert(2, x[1] * t)
+        us.insert(-1, x[2] * t ** 2)
+    s = sum((k + 1) * u ** 2 for k, u in enumerate(us))
+    us.reverse()
+    us.pop(1)
+    del us[2]
+    return s + sum((k + 1) * u for k, u in enumerate(us))
+
+
+def the_worst_one(x):
+    us = [v * v for v in x if v > 0.35]
+    worst = max(us)
+    us.remove(worst)
+    return sum(us) + worst * us[0]
+
+
+def at_both_ends(x):
+    q, s, t = deque(), 0.0, 0.0
+    while t < 1.0:
+        q.appendleft(x[0] * t)
+        q.append(x[1] + t)
+        t += 0.25 * x[2]
+        if len(q) > 4:
+            s += q.pop() * q.popleft()
+    q.rotate(1)
+    q.rotate(-3)
+    return s + sum((k + 1) * u ** 2 for k, u in enumerate(q))
+
+
+def the_best_three(x):
+    beam = [(0.0, 0)]
+    for k in range(4):
+        new = []
+        for s, n in beam:
+            new.append((s + x[k], n + 1))
+            new.append((s - 0.3 * x[k] ** 2, n))
+        new.sort(reverse=True)
+        beam = new[:3]
+    return beam[0][0] + 0.1 * beam[1][0] * beam[1][1]
+
+
 KERNELS = [read_from_the_second_round_on, of_a_length, last_one_changed, beyond_the_end,
            of_numbers, of_pairs, adaptive_quadrature, of_arrays, of_operands, moving_average, cleared, generations,
            kept_where_it_is_longer, left_by_continue, first_of_what_was_there, two_names, of_numbers_and_arrays,
-           rows_that_move, made_of_the_one_before, taken_back, taken_out_beside_its_name]
+           rows_that_move, made_of_the_one_before, taken_back, taken_out_beside_its_name, put_in_front, from_within,
+           changed_within, the_worst_one, at_both_ends, the_best_three]
 COUNTED = [(depth_first, 6), (breadth_first, 6), (of_places_and_weights, 6),
            (made_of_itself, 7), (made_of_its_sums, 7), (made_of_its_rows, 7), (made_of_its_pairs, 7),
            (shifted, 6), (made_by_a_function_of_itself, 6),
@@ -475,9 +522,3 @@ def cases():
     yield Case(exchanged, (X,), refused=(
         "S201 at `a.append(b[-1] * 0.7 + t)`: append to 'b', which is not bound once, to a list: bind it once, as [] "
         "or as a list of what it starts with"))
-    yield Case(put_in_front, (X,), refused=(
-        "S201 at `q.insert(0, x[1] * t)`: .insert of a list whose length is not known before the run: append, and pick "
-        "by an index; or make an array with np.concatenate"))
-    yield Case(from_within, (X,), refused=(
-        "S201 at `q.pop(1)`: an item from within a list whose length is not known before the run is taken out: take "
-        "the last one, pop(), or the first, pop(0)"))

@@ -10,12 +10,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate import list_functions
 from s2sad.evaluate.specialize.control.choices import chosen
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
 from s2sad.evaluate.specialize.signals import Unevaluated
-from s2sad.evaluate.specialize.values import NONE, Choice, Data, Reference, TupleValue, Value
+from s2sad.evaluate.specialize.values import NONE, Choice, Data, Reference, TupleValue, Value, constant
 from s2sad.tree import AST
 
 _MOST_ALTERNATIVES = 16     # things of which a variable picks one: what reads it is evaluated for each
@@ -27,17 +28,14 @@ def sorted_items(ev: Evaluator, items: list[Value], options: Options, node: AST,
     """Items in the order of their keys."""
     back = bool(ev.known(options["reverse"], node, "reverse=")) if "reverse" in options else False
     keys = _keys(ev, items, options, node, f)
-    if all(map(_is_known, keys)):
-        return [items[k] for k in _ordered(ev, lambda at, key: sorted(at, key=key, reverse=back), keys, node)]
-    if _has_no_key(options):
+    known = _ordered(ev, lambda at, key: sorted(at, key=key, reverse=back), keys, node)
+    if known is not None:
+        return [items[k] for k in known]
+    if _has_no_key(options) and not _width(keys):
         ordered = _sorted_array(ev, _row(ev, keys, node, f), back, node, f)
         return [Data(tree.at(tree.index(tree.copy(ordered.node), tree.const(k)), node), shape=()) for k in range(
             len(items))]
-    row = _row(ev, keys, node, f)
-    if back:        # of equal ones the first stays the first
-        row = Data(tree.at(tree.UnaryOp(tree.USub(), ev.spelled(row, node)), node))
-    order = ev.named(ev.library_call("numpy.argsort", [row], {"kind": Data(tree.const("stable"), "stable")}, node, f),
-                     "order", node)
+    order = ev.named(_order(ev, keys, back, node, f), "order", node)
     places = [Data(tree.at(tree.index(tree.copy(order.node), tree.const(k)), node)) for k in range(len(items))]
     return [_picked(ev, items, place, node, f, _MOST_ORDERED) for place in places]
 
@@ -58,15 +56,16 @@ def _is_known(key: Value) -> bool:
 
 
 def _ordered(ev: Evaluator, does: Any, keys: Sequence[Value], node: AST) -> Any:
-    """What a function gives of the places of keys that are known."""
+    """What a function gives of the places of keys, None where what is known of them does not tell."""
+    if not all(map(_is_known, keys)):
+        return None
     known = [_sort_key(ev, k, node) for k in keys]
-    unknown = ev.refusal(node, "a list is sorted by what is not known before the run")
     if len({str(k) for k in known}) < len(known) and any(type(k) is tuple and k[-1:] == (...,) for k in known):
-        raise unknown
+        return None
     try:
         return does(range(len(known)), known.__getitem__)
     except TypeError:
-        raise unknown from None
+        return None
 
 
 def _sort_key(ev: Evaluator, value: Value, node: AST) -> Any:
@@ -81,12 +80,27 @@ def _sort_key(ev: Evaluator, value: Value, node: AST) -> Any:
     return tuple(known)
 
 
+def _width(keys: Sequence[Value]) -> int:
+    """How many numbers are in each key, if all are tuples of as many; else 0."""
+    widths = {len(k.items) if isinstance(k, TupleValue) else 0 for k in keys}
+    return widths.pop() if len(widths) == 1 else 0
+
+
 # -- orders that the run finds ---------------------------------------------------------------------------------------
 def _row(ev: Evaluator, values: Sequence[Value], node: AST, f: Frame) -> Data:
     """An array of numbers."""
     if not all(isinstance(v, Data) and not isinstance(v.known, (str, tuple, type(None))) for v in values):
         raise ev.unknown(node, "what a list is sorted by must be known before the run, or be a number for each item")
     return ev.library_call("numpy.array", [TupleValue(tuple(values))], {}, node, f)
+
+
+def _order(ev: Evaluator, keys: Sequence[Value], back: bool, node: AST, f: Frame) -> Any:
+    """The places of keys of which only the run knows the order; of equal ones the first is the first."""
+    if not _width(keys):
+        return ev.called_here(list_functions.order_of_numbers, [_row(ev, keys, node, f), constant(back)], {}, node, f)
+    columns: Any = zip(*(k.items for k in keys))  # pyright: ignore[reportAttributeAccessIssue]
+    rows = TupleValue(tuple(ev.named(_row(ev, column, node, f), "column", node) for column in columns))
+    return ev.called_here(list_functions.order_of_columns, [rows, constant(back)], {}, node, f)
 
 
 def _sorted_array(ev: Evaluator, array: Value, back: bool, node: AST, f: Frame) -> Data:
@@ -126,31 +140,61 @@ def _sorted(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) ->
             raise ev.refusal(node, "what is sorted is no array of numbers")
         back = bool(ev.known(options["reverse"], node, "reverse=")) if "reverse" in options else False
         return ev.library_call("builtins.list", [_sorted_array(ev, given, back, node, f)], {}, node, f)
+    if isinstance(given, Data) and given.is_list:
+        back = bool(ev.known(options["reverse"], node, "reverse=")) if "reverse" in options else False
+        order = _order_of_list(ev, given, options, back, "order", node, f)
+        return ev.called_here(list_functions.in_order, [given, order], {}, node, f)
     return ev.list_of(sorted_items(ev, ev.items_of(given, node, f), options, node, f), node)
+
+
+def _order_of_list(ev: Evaluator, items: Data, options: Options, back: bool, wanted: str, node: AST, f: Frame) -> Value:
+    """The places of the items of a list of the residual program in their order, or the `first` of these."""
+    keys = items if _has_no_key(options) else ev.called_here(
+        list_functions.keys_of, [items, options["key"]], {}, node, f)
+    width = None if keys.rows is None or keys.rows.form else keys.rows.width
+    if width is None:
+        raise ev.unknown(node, "what a list is sorted by must be known before the run, or be a number for each item")
+    kind, more = ("numbers", []) if not width else ("rows", [constant(width)])
+    return ev.called_here(getattr(list_functions, f"{wanted}_of_{kind}"), [keys, constant(back), *more], {}, node, f)
 
 
 @function("builtins.min", "builtins.max")
 def _extreme(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
     name = ev.called
+    one = args[0] if len(args) == 1 else None
+    if isinstance(one, Data) and one.is_list and "default" not in options and (
+            not _has_no_key(options) or one.rows is not None and one.rows.width):
+        place = _order_of_list(ev, one, options, name == "max", "first", node, f)
+        return ev.item_of(one, ev.named(place, "place", node), node, f)
     if "key" in options:
         items = ev.items_of(args[0], node, f) if len(args) == 1 else args
         if not items and "default" in options:
             return options["default"]
-        keys = _keys(ev, items, options, node, f)
-        if all(map(_is_known, keys)):
-            does = min if name == "min" else max
-            return items[_ordered(ev, lambda at, key: does(at, key=key), keys, node)]
-        place = ev.library_call(f"numpy.arg{name}", [_row(ev, keys, node, f)], {}, node, f)
-        return _picked(ev, items, ev.named(place, "place", node), node, f)
+        return _extreme_of(ev, name, items, _keys(ev, items, options, node, f), node, f)
     if "default" in options and len(args) == 1 and isinstance(args[0], Data):
         return _extreme_or(ev, args[0], options["default"], node, f)
+    items = args if len(args) > 1 else () if isinstance(args[0], Data) else ev.items_of(args[0], node, f)
+    if any(isinstance(i, TupleValue) for i in items):
+        return _extreme_of(ev, name, items, items, node, f)
     if len(args) == 1 and not isinstance(args[0], Data):
-        items = ev.items_of(args[0], node, f)
         default = options.pop("default", None)
         if not items and default is not None:
             return default
         return items[0] if len(items) == 1 else ev.library_call(f"builtins.{name}", items, options, node, f)
     return None
+
+
+def _extreme_of(ev: Evaluator, name: str, items: Sequence[Value], keys: Sequence[Value], node: AST, f: Frame) -> Value:
+    """The item with the least key, or the largest one; of several the first."""
+    does = min if name == "min" else max
+    known = _ordered(ev, lambda at, key: does(at, key=key), keys, node)
+    if known is not None:
+        return items[known]
+    if _width(keys):
+        place = ev.item_of(_order(ev, keys, name == "max", node, f), constant(0), node, f)
+    else:
+        place = ev.library_call(f"numpy.arg{name}", [_row(ev, keys, node, f)], {}, node, f)
+    return _picked(ev, items, ev.named(place, "place", node), node, f)
 
 
 def _extreme_or(ev: Evaluator, value: Data, default: Value, node: AST, f: Frame) -> Value:

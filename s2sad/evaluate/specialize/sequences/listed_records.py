@@ -43,9 +43,10 @@ class _Form:
 
 @dataclass(eq=False)
 class ListedRecords:
-    """What the items of the lists of one site are made of, once one is there; "" of numbers, arrays and tuples. A deque
-    keeps the last `most` of them."""
+    """What the items of the lists of one site are made of, once one is there; "" of numbers, arrays and tuples, which
+    are `width` wide, 0 of what is no tuple. A deque keeps the last `most` of them."""
     form: Any = None
+    width: int | None = None
     is_read: bool = False
     most: int | None = None
 
@@ -116,6 +117,8 @@ def as_row(ev: Evaluator, rows: ListedRecords | None, value: Value, node: AST) -
             raise ev.refusal(node, "objects that hold different things are put into one list whose length only the run "
                              "knows", help="give each the same attributes, or keep a list for each kind")
     if form == "":
+        if rows is not None:
+            rows.width = len(value.items) if isinstance(value, TupleValue) else getattr(value, "count", None) or 0
         return value
     if form == _TEXT:
         return constant(0)
@@ -132,7 +135,7 @@ def listed_record(ev: Evaluator, listed: Data, item: Data, node: AST) -> Value:
     if listed.rows is not None:
         listed.rows.is_read = True
     if not form:
-        return item
+        return replace(item, count=listed.rows.width) if listed.rows is not None and listed.rows.width else item
     if form == _TEXT:
         return OpaqueValue("a text of a list whose length only the run knows")
     row = ev.named(item, "row", node)

@@ -10,11 +10,12 @@
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate.list_functions import METHODS
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.sequences.counted_sequence import part_range
@@ -23,19 +24,11 @@ from s2sad.evaluate.specialize.values import NONE, Data, Value
 from s2sad.tree import AST
 
 COUNTED = "keep a table and counts: table[k, count[k]] = i; count[k] += 1"    # in place of lists in a list
-_UNSUPPORTED = {
-    "insert": "append, and pick by an index; or make an array with np.concatenate",
-    "remove": "append what is to stay to another list",
-    "appendleft": "append, and read from the end: queue[-1], queue.pop()",
-    "reverse": "go through it backwards: reversed(items)",
-    "sort": "bind the sorted items to another name: ordered = sorted(items)",
-    "rotate": "keep a counter of the place where the list begins",
-}
 
 
 @operation
-def residual_list_method(ev: Evaluator, base: Data, name: str, args: Sequence[Value], node: AST, f: Frame
-                         ) -> Value | None:
+def residual_list_method(ev: Evaluator, base: Data, name: str, args: Sequence[Value], keywords: Mapping[str, Value],
+                         node: AST, f: Frame) -> Value | None:
     """What such a method gives; None of one that is left as it is."""
     if name == "append" and len(args) == 1:
         ev.append_residual(base, args[0], node, f)
@@ -43,26 +36,26 @@ def residual_list_method(ev: Evaluator, base: Data, name: str, args: Sequence[Va
     if name == "extend" and len(args) == 1:
         ev.extend_residual(base, args[0], node, f)
         return NONE
-    if name in ("pop", "popleft"):
-        return _popped(ev, base, args[0] if args else Data(tree.const(-1), -1) if name == "pop" else Data(
-            tree.const(0), 0), node)
+    at_end = name == "popleft" or name == "pop" and (not args or isinstance(args[0], Data) and args[0].known in (0, -1))
+    if at_end:
+        return _popped(ev, base, 0 if name == "popleft" else args[0].known if args else -1, node)  # pyright: ignore
     if name == "clear":
         called = tree.Call(tree.attribute(tree.copy(base.node), "clear"), [], [])
         ev.emit(tree.Expr(tree.at(called, node)), node, True)
         return NONE
     if name == "copy":
         return whole_list(base, node)
-    if name in _UNSUPPORTED:
-        raise ev.refusal(node, f".{name} of a list whose length is not known before the run", help=_UNSUPPORTED[name])
-    return None
+    if (method := METHODS.get(name)) is None:
+        return None
+    if base.rows is not None and base.rows.most is not None:
+        raise ev.refusal(node, f".{name} of a deque with a length whose items only the run counts",
+                         help="append, which takes out the first one where it is full")
+    return ev.called_here(method, [base, *args], keywords, node, f)
 
 
-def _popped(ev: Evaluator, base: Data, place: Value, node: AST) -> Value:
+def _popped(ev: Evaluator, base: Data, place: int, node: AST) -> Value:
     """The first item or the last, which the list no longer has."""
-    if not isinstance(place, Data) or place.known not in (0, -1):
-        raise ev.refusal(node, "an item from within a list whose length is not known before the run is taken out",
-                         help="take the last one, pop(), or the first, pop(0)")
-    called = tree.Call(tree.attribute(tree.copy(base.node), "pop"), [tree.const(place.known)], [])
+    called = tree.Call(tree.attribute(tree.copy(base.node), "pop"), [tree.const(place)], [])
     item = ev.fresh("item")
     ev.emit(tree.assign(item, tree.at(called, node)), node, True)
     return ev.listed_record(base, Data(tree.at(tree.name(item), node)), node)

@@ -1,0 +1,123 @@
+"""list_functions: what lists of Python's do of which only the run knows how long they are, as functions that the
+evaluator reads.
+
+    us.insert(0, v)         ->      held = us[:];  us.clear();  us.append(v);  for u in held: us.append(u)
+    sorted(us, key=f)       ->      order = np.argsort(np.array([f(u) for u in us]), kind="stable")
+                                    [us[k] for k in order]
+
+Parameters are called as Python calls them. `METHODS` has those that change a list.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+
+# -- methods ---------------------------------------------------------------------------------------------------------
+def insert(items, index, object):
+    held = items[:]
+    place = max(index + len(held), 0) if index < 0 else min(index, len(held))
+    items.clear()
+    for k in range(place):
+        items.append(held[k])
+    items.append(object)
+    for k in range(place, len(held)):
+        items.append(held[k])
+
+
+def appendleft(items, x):
+    held = items[:]
+    items.clear()
+    items.append(x)
+    for k in range(len(held)):
+        items.append(held[k])
+
+
+def pop(items, index):
+    held = items[:]
+    place = index + len(held) if index < 0 else index
+    if place < 0 or place >= len(held):
+        raise IndexError("pop index out of range")
+    items.clear()
+    for k in range(len(held)):
+        if k != place:
+            items.append(held[k])
+    return held[place]
+
+
+def remove(items, value):
+    held = items[:]
+    found = False
+    items.clear()
+    for k in range(len(held)):
+        if not found and held[k] == value:
+            found = True
+        else:
+            items.append(held[k])
+    if not found:
+        raise ValueError("list.remove(x): x not in list")
+
+
+def reverse(items):
+    held = items[:]
+    items.clear()
+    for k in range(len(held)):
+        items.append(held[len(held) - 1 - k])
+
+
+def rotate(items, n=1):
+    held = items[:]
+    items.clear()
+    for k in range(len(held)):
+        items.append(held[(k - n) % len(held)])
+
+
+def sort(items, *, key=None, reverse=False):
+    held = sorted(items, key=key, reverse=reverse)
+    items.clear()
+    for k in range(len(held)):
+        items.append(held[k])
+
+
+METHODS: dict[str, Callable[..., Any]] = {
+    f.__name__: f for f in (insert, appendleft, pop, remove, reverse, rotate, sort)}
+
+
+# -- orders ----------------------------------------------------------------------------------------------------------
+def keys_of(items, key):
+    return [key(item) for item in items]
+
+
+def order_of_numbers(keys, back):
+    """The places of numbers in their order; of equal ones the first is the first."""
+    numbers = np.array(keys)
+    if numbers.ndim != 1:
+        raise ValueError("arrays are ordered")
+    return np.argsort(-numbers if back else numbers, kind="stable")
+
+
+def order_of_columns(columns, back):
+    """The places of rows of numbers, by the first column first."""
+    order = np.arange(len(columns[0]))
+    for numbers in columns[::-1]:
+        held = numbers[order]
+        order = order[np.argsort(-held if back else held, kind="stable")]
+    return order
+
+
+def order_of_rows(keys, back, width):
+    return order_of_columns([np.array([row[k] for row in keys]) for k in range(width)], back)
+
+
+def first_of_numbers(keys, back):
+    return np.argmax(np.array(keys)) if back else np.argmin(np.array(keys))
+
+
+def first_of_rows(keys, back, width):
+    return order_of_rows(keys, back, width)[0]
+
+
+def in_order(items, order):
+    return [items[k] for k in order]
