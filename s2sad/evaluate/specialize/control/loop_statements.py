@@ -20,7 +20,7 @@ from s2sad.evaluate.specialize.control.first_iteration import Split, peeled, spl
 from s2sad.evaluate.specialize.control.loop_closed_names import read_outside
 from s2sad.evaluate.specialize.control.residual_loops import ResidualLoop
 from s2sad.evaluate.specialize.separate.needed_numbers import needed_numbers
-from s2sad.evaluate.specialize.values import NONE, Data, Iteration, TupleValue, Value, alike, constant
+from s2sad.evaluate.specialize.values import NONE, Data, Iteration, Reference, TupleValue, Value, alike, constant
 from s2sad.evaluate.specialize.control.written_out_loops import WhileCursor
 from s2sad.tree import AST
 
@@ -166,10 +166,29 @@ def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     if ev.stays_one(through):
         rolled(ev, s, stays, peel, unroll)
     else:
-        unroll()
+        _with_site_beside(ev, through, unroll)
     items = dict(ev.heap[f.reference].items)
     items.pop(slot, None)
     ev.heap.set_items(f.reference, items)
+
+
+def _with_site_beside(ev: Evaluator, through: Value, unroll: Callable[[], None]) -> None:
+    """Writes a loop out; a list that it goes through beside one of the run would have to be one of the run, too."""
+    try:
+        unroll()
+    except Unevaluated as reason:
+        parts = _gone_through(through)
+        if reason.site is None and any(isinstance(p, Data) and p.is_list for p in parts):
+            reason.site = next((held.site for p in parts if isinstance(p, Reference) and (
+                held := ev.heap[p]).kind == "list" and held.site is not None), None)
+        raise
+
+
+def _gone_through(through: Value) -> list[Value]:
+    """What the iterators that a loop goes through take their items from."""
+    if isinstance(through, Iteration) and through.kind in ("zip", "enumerate", "reversed"):
+        return [inner for p in through.parts for inner in _gone_through(p)]
+    return [through]
 
 
 def _needs_numbers(loop: ResidualLoop, statements: list[AST]) -> bool:
