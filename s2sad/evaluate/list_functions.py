@@ -85,6 +85,65 @@ METHODS: dict[str, Callable[..., Any]] = {
     f.__name__: f for f in (insert, appendleft, pop, remove, reverse, rotate, sort)}
 
 
+# -- bisect and heapq ------------------------------------------------------------------------------------------------
+def insort(a, x, *, key=None):
+    a.append(x)
+    a.sort(key=key)
+
+
+def heappush(heap, item):
+    heap.append(item)
+    towards_root(heap, 0, len(heap) - 1)
+
+
+def heappop(heap):
+    last = heap.pop()
+    least = last
+    if len(heap) > 0:
+        least = heap[0]
+        heap[0] = last
+        towards_leaves(heap, 0)
+    return least
+
+
+def heapify(x):
+    for k in range(len(x) // 2 - 1, -1, -1):
+        towards_leaves(x, k)
+
+
+def heapreplace(heap, item):
+    least = heap[0]
+    heap[0] = item
+    towards_leaves(heap, 0)
+    return least
+
+
+def towards_root(heap, start, place):
+    """An item of a heap goes to where none above it is larger."""
+    item = heap[place]
+    while place > start and item < heap[(place - 1) // 2]:
+        heap[place] = heap[(place - 1) // 2]
+        place = (place - 1) // 2
+    heap[place] = item
+
+
+def towards_leaves(heap, start):
+    """The smaller one of those below goes up until there is none, and from there the item does, as in CPython."""
+    place, end, item = start, len(heap), heap[start]
+    below = 2 * start + 1
+    while below < end:
+        if below + 1 < end and not heap[below] < heap[below + 1]:
+            below = below + 1
+        heap[place] = heap[below]
+        place = below
+        below = 2 * place + 1
+    heap[place] = item
+    towards_root(heap, start, place)
+
+
+QUEUES: dict[str, Callable[..., Any]] = {f.__name__: f for f in (heappush, heappop, heapify, heapreplace)}
+
+
 # -- orders ----------------------------------------------------------------------------------------------------------
 def keys_of(items, key):
     return [key(item) for item in items]

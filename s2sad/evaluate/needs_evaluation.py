@@ -13,10 +13,11 @@ from collections.abc import Iterator
 
 from s2sad.evaluate.argument_binding import OPTIONS, parameters_of_library, result_count
 from s2sad.evaluate.library_functions import WITH_OPTION, WRITTEN
+from s2sad.evaluate.list_functions import METHODS
 from s2sad.program import Program
 from s2sad.tree import (
     AST, Assign, Attribute, Call, Compare, Constant, Dict, Expr, For, FunctionDef, GeneratorExp, In, Is, IsNot, List,
-    ListComp, Name, NotIn, Return, Starred, Store, Subscript, Tuple, call_name, user_call, walk,
+    ListComp, Name, NotIn, Return, Slice, Starred, Store, Subscript, Tuple, call_name, user_call, walk,
 )
 
 _ASKED = ("builtins.isinstance", "numpy.isscalar", "numpy.ndim")
@@ -32,11 +33,26 @@ def needs_evaluation(program: Program) -> bool:
 
 def _is_evaluated(function: FunctionDef, program: Program) -> bool:
     spelled: set[int] = set()       # what belongs to the spelling of a node around it
+    lists = {n.func.value.id for n in walk(function.body) if isinstance(n, Call) and isinstance(n.func, Attribute)
+             and n.func.attr == "append" and isinstance(n.func.value, Name)}
     for node in walk(function.body):
-        if _asks(node) or _is_together(node, program) and id(node) not in spelled or _returns_nothing(node, program):
+        if lists and _is_of_list(node, lists) or _asks(node) or _is_together(
+                node, program) and id(node) not in spelled or _returns_nothing(node, program):
             return True
         spelled.update(map(id, _spelled(node)))
     return False
+
+
+def _is_of_list(node: AST, lists: set[str]) -> bool:
+    """Whether a node takes a part of a list that grows, orders it or changes it within."""
+    if isinstance(node, Subscript):
+        return isinstance(node.value, Name) and node.value.id in lists and isinstance(node.slice, Slice)
+    if not isinstance(node, Call):
+        return False
+    of = node.func.value if isinstance(node.func, Attribute) and node.func.attr in METHODS else (
+        node.args[0] if call_name(node) == "builtins.sorted" and node.args else None)
+    return isinstance(of, Name) and of.id in lists and (call_name(node) is not None or not (
+        node.func.attr == "pop" and all(isinstance(a, Constant) for a in node.args)))
 
 
 def _asks(node: AST) -> bool:

@@ -127,6 +127,20 @@ def test_an_iterator_has_no_items_the_second_time(kernel):
         gradient(kernel)(np.array([0.3, 0.7]))
 
 
+def begun_by_next(x):
+    squares = (v * v for v in x)
+    return next(squares) * 2 + sum(squares)
+
+
+def test_a_generator_that_next_has_begun():
+    with pytest.raises(S2sadError) as caught:
+        gradient(begun_by_next)(np.array([0.3, 0.7]))
+    (found,) = caught.value.diagnostics
+    assert (found.message, found.help) == (
+        "a generator goes on behind the item that next() has taken",
+        "go through it in one loop, or make it a list first, items = list(...), and pick by an index")
+
+
 @pytest.mark.parametrize("engine", ["numpy", "loops"])
 @pytest.mark.parametrize("case", [pytest.param(case, id=name) for name, case in CASES])
 def test_derivatives(case, engine):

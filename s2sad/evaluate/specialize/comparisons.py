@@ -89,6 +89,9 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
     does, word = _COMPARISONS[kind]
     if is_sparse(a, ev.heap) or is_sparse(b, ev.heap):
         ev.refuse_whole(a if is_sparse(a, ev.heap) else b, node)
+    if kind not in ("Eq", "NotEq"):         # rows of lists of the run are ordered as tuples are
+        a, b = (TupleValue(tuple(ev.items_of(v, node, f))) if isinstance(v, Data) and v.count and not v.is_known else v
+                for v in (a, b))
     if isinstance(a, Data) and isinstance(b, Data):
         if a.is_known and b.is_known and (kind in ("Eq", "NotEq") or computed(does, a.known, b.known) is not UNKNOWN):
             return constant(does(a.known, b.known))

@@ -274,7 +274,5 @@ def cases():
     yield Case(roots, (y, 1e-3), "x")
     yield Case(interpolated, (y[:4],), "y")
     yield Case(gaussian_process, (x,), ("theta",))
-    for kernel in (thermostat, settings, events, with_flags):
+    for kernel in (thermostat, settings, events, with_flags, events_of_the_run):
         yield Case(kernel, (x,), "x")
-    yield Case(events_of_the_run, (x,), refused="S201 at `heapq.heappush(queue, (v, 1))`: a queue is ordered by what "
-               "is not known before the run: loop over the items, and take the first: min(queue, key=...)")

@@ -1,6 +1,8 @@
 """Lists that are stacks and queues of a loop whose trips only the run counts, and lists that are made anew in it."""
 from __future__ import annotations
 
+import bisect
+import heapq
 from collections import deque
 
 import numpy as np
@@ -501,7 +503,77 @@ def the_best_three(x):
     return beam[0][0] + 0.1 * beam[1][0] * beam[1][1]
 
 
-KERNELS = [read_from_the_second_round_on, of_a_length, last_one_changed, beyond_the_end,
+def shortest_paths(x):
+    far = np.array([[0, 1, 4, 0, 0, 0], [1, 0, 2, 5, 0, 0], [4, 2, 0, 1, 3, 0], [0, 5, 1, 0, 1, 2], [0, 0, 3, 1, 0, 4],
+                    [0, 0, 0, 2, 4, 0]]) * 1.0
+    least = np.full(6, np.inf)
+    least[0] = 0.0
+    queue = [(0.0, 0)]
+    while queue:
+        d, u = heapq.heappop(queue)
+        if d > least[u]:
+            continue
+        for v in range(6):
+            if far[u, v] > 0.0 and d + far[u, v] * x[u] + 0.1 * x[v] ** 2 < least[v]:
+                least[v] = d + far[u, v] * x[u] + 0.1 * x[v] ** 2
+                heapq.heappush(queue, (least[v], v))
+    return np.sum(least * np.arange(6))
+
+
+def as_a_heap_lies(x):
+    h = [v * 1.5 for v in x if v > 0.35]
+    heapq.heapify(h)
+    heapq.heappush(h, x[0] * 0.3)
+    s = heapq.heapreplace(h, 0.2 * x[1])
+    return s + sum((j + 2) * v for j, v in enumerate(h))
+
+
+def put_in_order(x):
+    us = []
+    for v in x:
+        if v > 0.35:
+            bisect.insort(us, v * v)
+    return us[0] * 3 + us[-1] + bisect.bisect(us, 0.3) * x[0]
+
+
+def limited_memory(x):
+    """BFGS with the last three steps."""
+    weights = np.array([1.0, 3.0, 0.5, 2.0, 1.0, 0.7])
+    z, steps, changes = np.zeros(6), [], []
+    g = 2 * (z - x) * weights
+    for _ in range(6):
+        q, factors = g.copy(), []
+        for s, y in zip(reversed(steps), reversed(changes)):
+            factors.append((s @ q) / (y @ s))
+            q = q - factors[-1] * y
+        q = q * (steps[-1] @ changes[-1]) / (changes[-1] @ changes[-1]) if steps else 0.2 * q
+        for s, y, a in zip(steps, changes, reversed(factors)):
+            q = q + s * (a - (y @ q) / (y @ s))
+        new = z - 0.7 * q
+        steps.append(new - z)
+        changes.append(2 * (new - x) * weights + 0.4 * new ** 3 - g)
+        if len(steps) > 3:
+            steps.pop(0)
+            changes.pop(0)
+        z, g = new, 2 * (new - x) * weights + 0.4 * new ** 3
+        if g @ g < 1e-9:
+            break
+    return np.sum((z - 2 * x) ** 2)
+
+
+def the_last_ones(x):
+    us, t, s = [], 0.0, 0.0
+    while t < 2.0:
+        us.append(np.sin(t) * x[0])
+        t += 0.3 + 0.1 * x[1] ** 2
+        s += max(us[-3:]) - min(us[-2:]) + np.mean(us[-4:]) + sum(us[-2:])
+        if len(us) > 3 and np.mean(us[-3:]) > 0.9:
+            break
+    return us[0] + us[-1] + s
+
+
+KERNELS = [shortest_paths, as_a_heap_lies, put_in_order, limited_memory, the_last_ones,
+           read_from_the_second_round_on, of_a_length, last_one_changed, beyond_the_end,
            of_numbers, of_pairs, adaptive_quadrature, of_arrays, of_operands, moving_average, cleared, generations,
            kept_where_it_is_longer, left_by_continue, first_of_what_was_there, two_names, of_numbers_and_arrays,
            rows_that_move, made_of_the_one_before, taken_back, taken_out_beside_its_name, put_in_front, from_within,

@@ -339,7 +339,32 @@ def none_within_a_tuple(x):
     return s + state[0]
 
 
+def until_there_is_one(x):
+    best, k = None, 0
+    while best is None or best[0] < 2.0:
+        s = x[k % x.size] * (1 + 0.3 * k)
+        if best is None or s > best[0]:
+            best = (s, x * s)
+        k += 1
+    return best[0] * np.sum(best[1])
+
+
+def until_it_stays(x):
+    previous, k, s = None, 0, 0.0
+    while previous is None or abs(previous - s) > 1e-3:
+        k += 1
+        if k % 3 == 2:
+            s += 0.01 * x[0]
+            continue
+        previous = s
+        s = 0.5 * s + x[0] * x[1]
+        if k > 30:
+            break
+    return s + previous
+
+
 EVERY = (
+    until_there_is_one, until_it_stays,
     not_asked_whether_it_is_there, a_state_with_its_number,
     the_tuple_before, best_and_second, made_on_one_way, read_before_it_is_made, made_on_two_of_three_ways,
     swapped, rotated, the_arrays_before, left_by_a_break, the_object_before,

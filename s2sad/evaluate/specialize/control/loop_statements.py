@@ -14,7 +14,7 @@ from s2sad.evaluate.specialize.sequences.generators import is_lazy
 from s2sad.evaluate.specialize.sequences.nested_ranges import NESTED
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation, statement
-from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unevaluated
+from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Undecided, Unevaluated
 from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.control.first_iteration import Split, peeled, split_iteration
 from s2sad.evaluate.specialize.control.loop_closed_names import read_outside
@@ -29,13 +29,21 @@ from s2sad.tree import AST
 def while_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     def stays() -> None:
         def once() -> Callable[[list[AST]], AST]:
-            before = ev.snapshot()
-            test = ev.test_of(s.test, f)
+            before, loop = ev.snapshot(), ev.loops[-1]
+            block, guarded, pending, depth = ev.block, ev.guarded, list(ev.pending), ev.depth
+            try:
+                test = ev.test_of(s.test, f)
+            except Undecided:           # a statement of its own is evaluated for each of several things
+                ev.block, ev.guarded, ev.pending[:], ev.depth = block, guarded, pending, depth
+                ev.restore(before)
+                leaving = tree.at(tree.If(tree.UnaryOp(tree.Not(), s.test), [tree.at(tree.Break(), s)], []), s.test)
+                loop.is_endless, loop.make = True, lambda body: tree.While(tree.const(True), body, [])
+                ev.statements([leaving, *s.body], f)
+                return loop.make
             if isinstance(test, bool) and not test:
                 raise ev.unknown(s.test, "a loop ends here")
             plain = not ev.has_acted(before)
             node = test.node if isinstance(test, Data) else tree.const(True)
-            loop = ev.loops[-1]
             if not plain and isinstance(test, Data):        # the test has statements of its own
                 jump = tree.at(tree.Break(), s)
                 ev.emit(tree.If(tree.UnaryOp(tree.Not(), node), [jump], []), s)

@@ -270,7 +270,8 @@ def _exit(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 
 @function("builtins.sum")
 def _sum(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value | None:
-    if isinstance(args[0], Data) or isinstance(args[0], Iteration) and args[0].kind == "range":
+    if isinstance(args[0], Data) and args[0].count is None or isinstance(
+            args[0], Iteration) and args[0].kind == "range":
         return None
     start = [*args[1:], *options.values()]
     before = ev.snapshot()

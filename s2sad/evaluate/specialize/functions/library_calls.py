@@ -41,7 +41,8 @@ def function(*paths: str) -> Callable[[Known], Known]:
 @operation
 def library_call(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapping[str, Value], node: AST, f: Frame
                  ) -> Value:
-    """A call of a library's function."""
+    """A call of a library's function; a part of a list of the run is a list of its own."""
+    args = [ev.copied_part(a, "part", node) or a if isinstance(a, Data) and a.is_list else a for a in args]
     known = FUNCTIONS.get(path)
     if known is not None:
         ev.called = path.rpartition(".")[2]

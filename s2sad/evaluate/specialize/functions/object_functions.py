@@ -13,7 +13,7 @@ from s2sad.evaluate.specialize.functions.library_calls import FUNCTIONS, Args, K
 from s2sad.evaluate.specialize.functions.standard_library import copied
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sequences.endless import ENDLESS
-from s2sad.evaluate.specialize.sequences.iterator_use import DEFAULT
+from s2sad.evaluate.specialize.sequences.iterator_use import BEGUN, DEFAULT, STARTED
 from s2sad.evaluate.specialize.values import (
     FACTORY, NONE, ClassValue, Conflict, Data, Iteration, LibraryValue, ObjectValue, Reference, OpaqueValue,
     SliceValue, TupleValue, Value, constant, demands_of,
@@ -188,7 +188,10 @@ def _position(ev: Evaluator, iterator: Reference, node: AST) -> tuple[Value, int
 def _first(ev: Evaluator, args: Args, node: AST, f: Frame) -> Value:
     """The first item of a generator, with which nothing else goes on."""
     end = tree.Return(tree.name(DEFAULT)) if args[1:] else tree.Raise(tree.name("StopIteration"), None)
-    return ev.first_item(args[0], node, f, tree.Return, end, *[ev.atoms(a, "item", node) for a in args[1:]])
+    found = ev.first_item(args[0], node, f, tree.Return, end, *[ev.atoms(a, "item", node) for a in args[1:]])
+    if isinstance(args[0], Iteration) and args[0].once is not None:
+        ev.heap.put(args[0].once, STARTED, constant(BEGUN))
+    return found
 
 
 @function("builtins.next")

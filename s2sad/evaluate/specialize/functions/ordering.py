@@ -71,7 +71,7 @@ def _ordered(ev: Evaluator, does: Any, keys: Sequence[Value], node: AST) -> Any:
 def _sort_key(ev: Evaluator, value: Value, node: AST) -> Any:
     """What a list is sorted by; of a tuple the items before the first that is not known, which is `...`."""
     if not isinstance(value, TupleValue):
-        return ev.known(value, node, "what a list is sorted by")
+        return value.known if isinstance(value, Data) and value.is_known else (...,)
     known: list[Any] = []
     for item in value.items:
         if not (isinstance(item, Data) and item.is_known):
@@ -173,10 +173,11 @@ def _extreme(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -
         return _extreme_of(ev, name, items, _keys(ev, items, options, node, f), node, f)
     if "default" in options and len(args) == 1 and isinstance(args[0], Data):
         return _extreme_or(ev, args[0], options["default"], node, f)
-    items = args if len(args) > 1 else () if isinstance(args[0], Data) else ev.items_of(args[0], node, f)
+    is_whole = one is not None and isinstance(one, Data) and one.count is None      # an array, or a list of the run
+    items = args if len(args) > 1 else () if is_whole else ev.items_of(args[0], node, f)
     if any(isinstance(i, TupleValue) for i in items):
         return _extreme_of(ev, name, items, items, node, f)
-    if len(args) == 1 and not isinstance(args[0], Data):
+    if len(args) == 1 and not is_whole:
         default = options.pop("default", None)
         if not items and default is not None:
             return default
@@ -228,16 +229,26 @@ class _Item:
 
 @function("heapq.heappush", "heapq.heappop", "heapq.heapify", "heapq.heappushpop", "heapq.heapreplace")
 def _queue(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
-    name = ev.called
-    refused = ev.refusal(node, "a queue is ordered by what is not known before the run",
+    name, queue = ev.called, args[0]
+    if isinstance(queue, Data) and queue.is_list and name in list_functions.QUEUES:
+        return ev.called_here(list_functions.QUEUES[name], args, {}, node, f)
+    held = ev.heap[queue] if isinstance(queue, Reference) else None
+    refused = ev.unknown(node, "a queue is ordered by what is not known before the run", site=held and held.site,
                          help="loop over the items, and take the first: min(queue, key=...)")
-    if not (isinstance(args[0], Reference) and ev.heap[args[0]].kind == "list"):
+    if not isinstance(queue, Reference) or ev.heap[queue].kind != "list":
         raise refused
-    queue, *given = [[_Item(v, _sort_key(ev, v, node), refused) for v in items]
-                     for items in (ev.sequence_items(args[0]), *([a] for a in args[1:]))]
-    found = getattr(heapq, name)(queue, *(g[0] for g in given))
-    ev.replace_items(args[0], [i.value for i in queue], node)
+    items, *given = [[_Item(v, _sort_key(ev, v, node), refused) for v in several]
+                     for several in (ev.sequence_items(queue), *([a] for a in args[1:]))]
+    found = getattr(heapq, name)(items, *(g[0] for g in given))
+    ev.replace_items(queue, [i.value for i in items], node)
     return NONE if found is None else found.value
+
+
+@function("bisect.insort", "bisect.insort_right", "bisect.insort_left")
+def _insort(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
+    if len(args) != 2 or options.keys() - {"key"}:
+        raise ev.refusal(node, "bisect.insort into a part of a list", help="append, and sort")
+    return ev.called_here(list_functions.insort, args, options, node, f)
 
 
 @function("bisect.bisect", "bisect.bisect_right", "bisect.bisect_left")

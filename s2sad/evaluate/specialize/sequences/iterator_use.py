@@ -23,7 +23,10 @@ from s2sad.tree import AST
 _TWICE = (      # of an iterator that ends, and of one that never does: what is said, and the help
     ("an iterator is gone through twice, and has no items the second time", "make it a list: list(...)"),
     ("an iterator that never ends is gone through twice, and goes on where it was left", "make another one"))
+_BEGUN = ("a generator goes on behind the item that next() has taken", "go through it in one loop, or make it a list "
+          "first, items = list(...), and pick by an index")
 STARTED, ITERATED, DEFAULT, TOTAL = ".started", ".iterated", ".default", ".total"
+BEGUN = "begun"     # by next(), in place of True
 
 
 @operation
@@ -50,7 +53,8 @@ def used(ev: Evaluator, value: Value, node: AST) -> None:
     if value.once is not None:
         started = ev.heap[value.once].items[STARTED]
         if not (isinstance(started, Data) and started.known is False):
-            raise ev.refusal(node, *_TWICE[is_endless(value)])
+            begun = isinstance(started, Data) and started.known == BEGUN
+            raise ev.refusal(node, *(_BEGUN if begun else _TWICE[is_endless(value)]))
         ev.heap.put(value.once, STARTED, constant(True))
     for part in value.parts:
         used(ev, part, node)
