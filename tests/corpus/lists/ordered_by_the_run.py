@@ -155,9 +155,46 @@ def known_rows(x):
     return a[0] * (a[1] + 1) + b[0] * b[1] + c[1][0] * c[2][1] + min(x, key=lambda v: (int(2 * v + 0.3), -v))
 
 
-EVERY = (of_the_run, rows_of_the_run, equal_ones_of_the_run, objects_of_the_run, arrays_with_numbers, known_rows,
-         by_tuples, an_array, numbers, by_a_key, equal_keys, tuples, the_extreme_objects, objects, a_population,
-         an_array_of_some, a_name)
+def simplex(x):
+    """Nelder and Mead's."""
+    def f(p):
+        return (p[0] - x[0]) ** 2 + 2 * (p[1] - x[1] * p[0]) ** 2 + x[2] * p[0]
+    at = [np.array([0.0, 0.0]), np.array([1.0, 0.1]), np.array([0.2, 1.0])]
+    for _ in range(12):
+        at.sort(key=f)
+        middle = (at[0] + at[1]) / 2
+        beyond = 2 * middle - at[2]
+        if f(beyond) < f(at[0]):
+            further = 3 * middle - 2 * at[2]
+            at[2] = further if f(further) < f(beyond) else beyond
+        elif f(beyond) < f(at[1]):
+            at[2] = beyond
+        else:
+            inside = 0.5 * (middle + at[2])
+            if f(inside) < f(at[2]):
+                at[2] = inside
+            else:
+                at = [at[0]] + [0.5 * (at[0] + p) for p in at[1:]]
+    return f(at[0])
+
+
+def arrays_by_a_key(x):
+    several = [x * 2.0, x[::-1] * 1.5, np.sin(x)]
+    best = max(several, key=lambda p: p[0] - p[1])
+    pairs = sorted([(np.sum((x - k) ** 2), x * k) for k in range(4)], key=lambda t: t[0])
+    return np.sum(best ** 2) + min(several, key=np.sum)[0] + np.sum(pairs[0][1] ** 2) + pairs[-1][0]
+
+
+def written_behind(x):
+    several = [x * 2.0, x[::-1] * 1.5, np.sin(x)]
+    several.sort(key=lambda p: p[0])
+    several[0] *= 2.0
+    return np.sum(several[0] * several[1])
+
+
+EVERY = (simplex, arrays_by_a_key, of_the_run, rows_of_the_run, equal_ones_of_the_run, objects_of_the_run,
+         arrays_with_numbers, known_rows, by_tuples, an_array, numbers, by_a_key, equal_keys, tuples,
+         the_extreme_objects, objects, a_population, an_array_of_some, a_name)
 
 
 def extremes_of_no_items(x, level):
@@ -178,5 +215,9 @@ def cases():
                          (five_objects, "sorted([Particle(v, 1.0) for v in x], key=lambda p: p.v)")):
         yield Case(kernel, (x,), refused=f"S201 at `{part}`: what a list is sorted by must be known before the run: "
                    "sort an array of numbers, or its places: np.argsort(...)")
+    yield Case(written_behind, (x,), refused=(
+        "S201 at `several[0] *= 2.0`: an array is written that another name may stand for here, as it did before a "
+        "loop or branch bound it anew: bind the name to a copy before the loop or branch: u = u.copy(); where names "
+        "swap in a branch, swap what their arrays hold"))
     for level in (0.4, 9.0):
         yield Case(extremes_of_no_items, (x, level), "x")

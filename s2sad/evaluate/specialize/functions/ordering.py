@@ -117,6 +117,8 @@ def _picked(ev: Evaluator, items: Sequence[Value], place: Data, node: AST, f: Fr
     if all(isinstance(i, Data) and (i.shape == () or i.is_known and isinstance(i.known, (int, float))) for i in items):
         row = ev.named(_row(ev, items, node, f), "items", node)
         return Data(tree.at(tree.index(row.node, ev.spelled(place, node)), node), shape=())
+    if len(items) <= most and all(isinstance(i, Data) and not i.is_known and not i.is_list for i in items):
+        return _one_array(ev, [ev.atoms(i, "item", node) for i in items], ev.named(place, "place", node), node, f)
     shapes = {(i.made, len(i.items)) for i in items if isinstance(i, TupleValue)}
     if len(shapes) == 1 and all(isinstance(i, TupleValue) for i in items):
         columns: Any = list(zip(*(i.items for i in items)))  # pyright: ignore[reportAttributeAccessIssue]
@@ -130,6 +132,15 @@ def _picked(ev: Evaluator, items: Sequence[Value], place: Data, node: AST, f: Fr
         raise Unevaluated(refused, choice="sorted items")
     held = tuple(ev.atoms(i, "item", node) for i in items)
     return Choice(ev.named(place, "which", node), held, (*range(len(held)),))
+
+
+def _one_array(ev: Evaluator, items: Sequence[Value], place: Data, node: AST, f: Frame, first: int = 0) -> Value:
+    """One of several arrays, under a name that each way binds to one of them."""
+    if len(items) == 1:
+        return items[0]
+    test = tree.compare(tree.copy(place.node), tree.Eq(), tree.const(first))
+    return chosen(ev, Data(tree.at(test, node)), (
+        lambda: items[0], lambda: _one_array(ev, items[1:], place, node, f, first + 1)), node, f)
 
 
 @function("builtins.sorted")
