@@ -44,8 +44,8 @@ class Kernel:
     derivative that the user gave it, `residual` the kernel that it makes zero, if it is an implicit function;
     `results` says how many of its last parameters take what the user's function returns; `nested` says which derivative
     of the one kernel that it calls it stands for; `unsure` are the names that may be read before they are bound, where
-    that is known. Of an entry, `floats` are the
-    parameters that may be floats by its text, `independents` those that a gradient is with respect to by default.
+    that is known. Of an entry, `floats` are the parameters that may be floats by its text, `independents` those that a
+    gradient is with respect to by default, `rest` what takes any further arguments, as it is written.
     """
     name: str
     tree: FunctionDef
@@ -60,6 +60,7 @@ class Kernel:
     independents: tuple[str, ...] = ()
     nested: NestedDerivative | None = None
     unsure: frozenset[str] | None = None
+    rest: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

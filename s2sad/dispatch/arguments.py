@@ -29,8 +29,11 @@ def float_parameters(kernel: Kernel) -> frozenset[str]:
 
 
 def bind(kernel: Kernel, args: Sequence[Any], keywords: Mapping[str, Any] | None = None) -> list[Any]:
-    """One value per parameter, in order, defaults filled in; TypeError as Python words it."""
+    """One value per parameter, in order, defaults filled in; TypeError as Python words it, S2sadError of further
+    arguments that the kernel takes."""
     names, keywords = kernel.parameters, dict(keywords or {})
+    if kernel.rest and (len(args) > len(names) or keywords.keys() - {*names}):
+        raise _unnamed(kernel, keywords)
     if len(args) > len(names):
         raise TypeError(f"{kernel.name}() takes {len(names)} arguments but {len(args)} were given")
     bound = dict(zip(names, args))
@@ -45,6 +48,15 @@ def bind(kernel: Kernel, args: Sequence[Any], keywords: Mapping[str, Any] | None
         raise TypeError(f"{kernel.name}() missing {len(missing)} required argument"
                         f"{'s' if len(missing) > 1 else ''}: {', '.join(map(repr, missing))}")
     return [bound[n] if n in bound else kernel.defaults[n] for n in names]
+
+
+def _unnamed(kernel: Kernel, keywords: Mapping[str, Any]) -> S2sadError:
+    named = [k for k in keywords if k not in kernel.parameters][:1]
+    head = ", ".join((*kernel.parameters, *(named or "a")))
+    call = ", ".join((*kernel.parameters, *(f"{k}={k}" for k in named))) if named else head
+    return S2sadError(Diagnostic(
+        "S405", f"'{kernel.name}' is given more than its parameters have names for, which {' and '.join(kernel.rest)} "
+        "would take", help=f"call it in a function that names them: def f({head}): return {kernel.name}({call})"))
 
 
 def kernel_value(name: str, value: Any, is_float: bool = False) -> Any:

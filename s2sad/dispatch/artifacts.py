@@ -148,14 +148,14 @@ def _place(function: FunctionType) -> str | None:
 def _of_kernel(kernel: Kernel) -> Any:
     """A kernel without its text; its defaults are those that the function has where it is loaded."""
     return (kernel.name, kernel.parameters, tuple(kernel.defaults), kernel.annotations, kernel.results, kernel.floats,
-            kernel.independents)
+            kernel.independents, kernel.rest)
 
 
 def _kernel(kept: Any, values: Mapping[str, Any]) -> Kernel:
-    name, parameters, said, annotations, results, floats, independents = kept
+    name, parameters, said, annotations, results, floats, independents, rest = kept
     defaults = {n: values[n] for n in said}
     return Kernel(name, None, None, parameters, defaults, annotations, results=results,  # pyright: ignore
-                  floats=floats, independents=independents)
+                  floats=floats, independents=independents, rest=rest)
 
 
 # -- what was derived -------------------------------------------------------------------------------------------------

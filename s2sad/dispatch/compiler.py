@@ -69,7 +69,8 @@ def residual_program(function: FunctionType, varying: Collection[Path]) -> Progr
         if residual.result is not None or residual.paths != {p: p for p in kernel.parameters}:
             raise S2sadError(Diagnostic("S201", "what is returned is made of more than arrays and numbers"))
         made = read.of_captured(residual, function)
-    entry = replace(made.kernels[made.entry], defaults=kernel.defaults, annotations=kernel.annotations)
+    entry = replace(made.kernels[made.entry], defaults=kernel.defaults, annotations=kernel.annotations,
+                    rest=kernel.rest)
     return replace(made, kernels={**made.kernels, made.entry: entry}, guards=guards, replaced=residual.replaced,
                    function=function, evaluation=_evaluation(residual, {}), changed_outside=residual.changed_outside)
 

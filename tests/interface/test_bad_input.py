@@ -188,3 +188,20 @@ def test_factors_that_do_not_fit(engine):
     assert vjp(function, (np.ones((2, 3)), np.ones(3)), {"return": 1.0})["x"].tolist() == [2.0, 2.0, 2.0]
     with pytest.raises(S2sadError, match="shapes differ|broadcast"):
         vjp(function, (np.ones((2, 3)), np.ones(50)), {"return": 1.0})
+
+
+def with_any(x, *rest, **options):
+    return np.sum(x ** 2) + sum(rest) * options.get("p", 1.0)
+
+
+@pytest.mark.parametrize("more, options, head, call", [
+    ((2.0, 3.0), {}, "x, a", "x, a"), ((), {"p": 3.0}, "x, p", "x, p=p")])
+def test_what_a_kernel_has_no_name_for(more, options, head, call):
+    x = np.ones(3)
+    np.testing.assert_array_equal(gradient(with_any)(x), 2 * x)
+    with pytest.raises(S2sadError) as caught:
+        gradient(with_any, wrt="x")(x, *more, **options)
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.message, found.help) == (
+        "S405", "'with_any' is given more than its parameters have names for, which *rest and **options would take",
+        f"call it in a function that names them: def f({head}): return with_any({call})")

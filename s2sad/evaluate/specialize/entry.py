@@ -95,7 +95,8 @@ def unread(function: Any, refused: S2sadError | None = None) -> Program:
         defaults = {n: values[n] for n in parameters if n in values}
         annotations = {n: text for n, text in said.items() if text is not ABSENT}
     kernel = Kernel(captured.name, tree.at(tree.function(captured.name, list(parameters), []), captured.tree),
-                    captured.source, parameters, defaults, annotations)
+                    captured.source, parameters, defaults, annotations,
+                    rest=tuple(f"{stars}{p.id}" for stars, p in (("*", a.vararg), ("**", a.kwarg)) if p is not None))
     return Program(captured.name, {captured.name: kernel}, refused=refused, function=function)
 
 
