@@ -5,7 +5,7 @@ evaluator reads.
     sorted(us, key=f)       ->      order = np.argsort(np.array([f(u) for u in us]), kind="stable")
                                     [us[k] for k in order]
 
-Parameters are called as Python calls them. `METHODS` has those that change a list.
+Parameters are called as Python calls them. `METHODS` has their methods, `QUEUES` what `heapq` does.
 """
 from __future__ import annotations
 
@@ -81,8 +81,24 @@ def sort(items, *, key=None, reverse=False):
         items.append(held[k])
 
 
+def index(items, value):
+    for k, item in enumerate(items):
+        if item == value:
+            return k
+    raise ValueError("the value is not in the list")
+
+
+def count(items, value):
+    found = 0
+    for item in items:
+        if item == value:
+            found += 1
+    return found
+
+
 METHODS: dict[str, Callable[..., Any]] = {
-    f.__name__: f for f in (insert, appendleft, pop, remove, reverse, rotate, sort)}
+    f.__name__: f for f in (
+        insert, appendleft, pop, remove, reverse, rotate, sort, index, count)}
 
 
 # -- bisect and heapq ------------------------------------------------------------------------------------------------

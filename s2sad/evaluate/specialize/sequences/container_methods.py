@@ -103,8 +103,10 @@ def _as_list(ev: Evaluator, base: Reference, args: list[Value], _: Any, node: AS
 
 @operation
 def list_method(ev: Evaluator, base: Reference, name: str, args: list[Value], node: AST) -> Value:
-    items = ev.sequence_items(base)
+    items, site = ev.sequence_items(base), ev.heap[base].site
     if name in ("insert", "pop"):
+        if args and isinstance(args[0], Data) and not args[0].is_known:
+            raise ev.unknown(node, "a place in a list must be known before the run", args[0], site=site)
         first = [ev.known(args[0], node, "a place in a list")] if args else []
         if name == "pop" and not -len(items) <= (first[0] if first else -1) < len(items):
             raise ev.no_item("pop from a list that has no such item", node)
@@ -115,7 +117,8 @@ def list_method(ev: Evaluator, base: Reference, name: str, args: list[Value], no
         if any(ev.compares_fields(v) or ev.special_method(v, "__eq__", node, ev.entry) for v in (args[0], *items)):
             raise ev.refusal(node, f".{name} compares objects, whose class says what equal is", help="write a loop")
         if isinstance(wanted, Data) or any(isinstance(k, Data) for k in keys):
-            raise ev.unknown(node, f".{name} compares items that are not known", args[0])
+            raise ev.unknown(node, f".{name} compares items that are not known", args[0],
+                             site=site if name == "remove" else None)
         if name == "count":
             return constant(keys.count(wanted))
         if wanted not in keys:
