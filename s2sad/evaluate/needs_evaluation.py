@@ -21,6 +21,7 @@ from s2sad.tree import (
 )
 
 _ASKED = ("builtins.isinstance", "numpy.isscalar", "numpy.ndim")
+_SHAPED = ("numpy.empty", "numpy.zeros", "numpy.ones", "numpy.full")
 _SLICES = ("builtins.slice", "numpy.s_", "numpy.index_exp")
 
 
@@ -70,11 +71,17 @@ def _asks(node: AST) -> bool:
     if isinstance(node, Subscript):
         return call_name(node.value) == "builtins.zip"      # a module's rows of numbers
     if isinstance(node, Call):
-        return _is_written(node) or call_name(node) in _ASKED or any(
+        return _is_written(node) or call_name(node) in _ASKED or _is_shaped_outside(node) or any(
             option in OPTIONS and not _is_known(value) for option, value in arguments_by_name(node))
     if isinstance(node, For):
         return call_name(node.iter) != "builtins.range"
     return isinstance(node, (Dict, GeneratorExp, ListComp))
+
+
+def _is_shaped_outside(node: Call) -> bool:
+    """Whether an allocation's shape is a tuple or a list of a module, which is an array of numbers elsewhere."""
+    shape = node.args[:1] or [k.value for k in node.keywords if k.arg == "shape"]
+    return call_name(node) in _SHAPED and any(isinstance(s, Name) and s.id.startswith("array.") for s in shape)
 
 
 def _is_written(node: Call) -> bool:

@@ -240,6 +240,10 @@ def greatest(v, dt):
     return max(v, Vec(dt, dt)).x
 
 
+def in_their_order(v, dt):
+    return sorted([v, Vec(2.0, dt)])[0].x * dt
+
+
 def as_a_bool(v, dt):
     return bool(v) * dt
 
@@ -369,6 +373,7 @@ REFUSED = [
      "of NumPy's, which would not ask its class"),
     (as_an_array, Gone(0.3, 0.4), "a named tuple of class Gone is used as a whole, whose class defines '__iter__'"),
     (greatest, V, "a named tuple of class Vec is used as a whole, whose class defines '__len__'"),
+    (in_their_order, V, "a named tuple of class Vec is ordered, whose class defines '__lt__'"),
     (chained, V, "a chain of comparisons of structures"),
     (unpacked_fields, grid(), "an object of class Grid is gone through, which has no __iter__"),
     (unpacked_fields, Plain(0.5), "an object of class Plain is gone through, which has no __iter__"),

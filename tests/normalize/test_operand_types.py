@@ -296,6 +296,28 @@ def test_arrays_that_hold_what_they_get_in_place(engine):
     np.testing.assert_allclose(gradient, [1.5, 2 * 5 * 0.7 + 1.5, 2 * 4 * 0.9 + 1.5], rtol=1e-15)
 
 
+SHAPE, LISTED = (3, 2), [3, 2]
+
+
+def of_a_shape_outside(u, k):
+    return np.sum(np.zeros(SHAPE) + u[0]) + np.sum(np.full(shape=LISTED, fill_value=1.0) * u[1])
+
+
+def of_an_array(u, k):
+    return np.sum(np.zeros(k) + u[0])
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+def test_shapes_that_are_no_tuples_here(engine):
+    """What a module has is an array of numbers to a kernel without structures: np.zeros of one has several axes."""
+    f = s2sad.gradient(s2sad.differentiate(of_a_shape_outside, engine=engine), "u")
+    np.testing.assert_array_equal(f(np.ones(2), 0), [6.0, 6.0])
+    with pytest.raises(s2sad.S2sadError) as caught:
+        s2sad.gradient(s2sad.differentiate(of_an_array, engine=engine), "u")(np.ones(2), np.array([3, 2]))
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.message) == ("S405", "the argument 'k' is an array of int64, and a size is an integer")
+
+
 def negated(u, k):
     return np.sum(-(u > 0.5) * u)
 

@@ -130,7 +130,8 @@ def _is_wrong(kind: Type, what: str) -> bool:
     """Whether a value of this type is no integer; what nothing is known of is refused elsewhere."""
     if kind.is_number or kind.is_array and what in _SIGNS.values():
         return kind.is_inexact
-    return kind.kind in ("none", "text") or kind.kind in ("array", "tuple") and what in (RANGE, BOUND)
+    return kind.kind in ("none", "text") or kind.is_array and what == SIZE or kind.kind in (
+        "array", "tuple") and what in (RANGE, BOUND)
 
 
 def _computed(node: AST, typing: Typing) -> list[AST]:

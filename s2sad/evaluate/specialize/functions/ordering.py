@@ -43,7 +43,11 @@ def sorted_items(ev: Evaluator, items: list[Value], options: Options, node: AST,
 def _keys(ev: Evaluator, items: Sequence[Value], options: Options, node: AST, f: Frame) -> list[Value]:
     """What items are ordered by; each key is asked for once."""
     plain, key = _has_no_key(options), options.get("key")
-    return [i if plain else ev.atoms(ev.call(key, [i], {}, node, f), "key", node) for i in items]
+    keys = [i if plain else ev.atoms(ev.call(key, [i], {}, node, f), "key", node) for i in items]
+    for k in keys:
+        if isinstance(k, TupleValue) and ev.special_method(k, "__lt__", node, f) is not None:
+            raise ev.refusal(node, f"{ev.kind_of(k)} is ordered, whose class defines '__lt__'", help="give a key=")
+    return keys
 
 
 def _has_no_key(options: Options) -> bool:
@@ -186,7 +190,8 @@ def _extreme(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -
         return _extreme_or(ev, args[0], options["default"], node, f)
     is_whole = one is not None and isinstance(one, Data) and one.count is None      # an array, or a list of the run
     items = args if len(args) > 1 else () if is_whole else ev.items_of(args[0], node, f)
-    if any(isinstance(i, TupleValue) for i in items):
+    if any(isinstance(i, TupleValue) for i in items) and not any(
+            ev.special_method(i, "__lt__", node, f) or ev.special_method(i, "__gt__", node, f) for i in items):
         return _extreme_of(ev, name, items, items, node, f)
     if len(args) == 1 and not is_whole:
         default = options.pop("default", None)
