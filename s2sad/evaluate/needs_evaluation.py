@@ -79,9 +79,10 @@ def _asks(node: AST) -> bool:
 
 
 def _is_shaped_outside(node: Call) -> bool:
-    """Whether an allocation's shape is a tuple or a list of a module, which is an array of numbers elsewhere."""
-    shape = node.args[:1] or [k.value for k in node.keywords if k.arg == "shape"]
-    return call_name(node) in _SHAPED and any(isinstance(s, Name) and s.id.startswith("array.") for s in shape)
+    """Whether a shape that something gets is a tuple or a list of a module, which is an array of numbers elsewhere."""
+    given = [*arguments_by_name(node), *(("shape", a) for a in node.args[:1] if call_name(node) in _SHAPED)]
+    return any(option == "shape" and isinstance(value, Name) and value.id.startswith("array.")
+               for option, value in given)
 
 
 def _is_written(node: Call) -> bool:
