@@ -72,9 +72,9 @@ def _make(ev: Evaluator, objects: Objects, value: Value) -> Any:
     if isinstance(value, TupleValue):
         return "tuple", value.made, len(value.items)
     held = objects.get(value.number) if isinstance(value, Reference) else None
-    if held is None or held.kind in ("frame", "class") or held.path or held.live is not None or not ev.is_listed(
-            value) and ev.heap.holders(value, objects) > 1:     # others hold it: it stays the one that it is
-        return None
+    if held is None or held.kind in ("frame", "class") or held.path or held.live is not None or isinstance(
+            value, Reference) and not ev.is_listed(value) and ev.heap.holders(value, objects) > 1:
+        return None     # one that others hold stays the one that it is
     return held.kind, held.made, tuple(held.items)
 
 

@@ -162,7 +162,7 @@ def _sorted(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) ->
     return ev.list_of(sorted_items(ev, ev.items_of(given, node, f), options, node, f), node)
 
 
-def _order_of_list(ev: Evaluator, items: Data, options: Options, back: bool, wanted: str, node: AST, f: Frame) -> Value:
+def _order_of_list(ev: Evaluator, items: Data, options: Options, back: bool, wanted: str, node: AST, f: Frame) -> Any:
     """The places of the items of a list of the residual program in their order, or the `first` of these."""
     keys = items if _has_no_key(options) else ev.called_here(
         list_functions.keys_of, [items, options["key"]], {}, node, f)
