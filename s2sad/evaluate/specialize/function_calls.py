@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
+from s2sad.diagnostics import Diagnostic, S2sadError, Span
 from s2sad.evaluate import library_functions, list_functions, random_numbers
 from s2sad.evaluate.effects import is_writing_call
 from s2sad.evaluate.mutating_calls import stored_out
@@ -199,13 +200,30 @@ def as_written(ev: Evaluator, function: FunctionValue, args: Sequence[Value], ke
     """What a function gives that says what a library's does: its body is where it is called, as if it stood in the
     user's text."""
     first = len(ev.block)
-    found = inlined(ev, function, args, keywords, node, f)
+    try:
+        found = inlined(ev, function, args, keywords, node, f)
+    except Unevaluated as reason:
+        reason.error = _of_the_call(ev, reason.error, node)
+        raise
+    except S2sadError as error:
+        raise _of_the_call(ev, error, node) from None
     made = [*ev.block[first:], *([found.node] if isinstance(found, Data) else [])]
     for inner in (n for m in made for n in tree.walk(m)):
         inner.__dict__.pop("lineno", None)
     for statement in made:
         tree.at(statement, node)
     return found
+
+
+def _of_the_call(ev: Evaluator, error: S2sadError, node: AST) -> S2sadError:
+    """What is refused in a function that stands for NumPy's, at its call; beside it what is raised there."""
+    def moved(said: Diagnostic) -> Diagnostic:
+        span = said.span
+        if span is None or span.source.path not in _OF_LIBRARIES:
+            return said
+        line = span.source.line(span.line).strip()
+        return replace(said, span=Span.of(ev.source, node), note=said.note or line * line.startswith("raise "))
+    return type(error)(*map(moved, error.diagnostics)) if getattr(node, "lineno", None) else error
 
 
 def inlined(ev: Evaluator, function: FunctionValue, args: Sequence[Value], keywords: Mapping[str, Value], node: AST,

@@ -245,6 +245,30 @@ def read_behind_a_loop(x):
     return s + e.weight()
 
 
+def texts_in_tuples(x):
+    log, t = [], 0.0
+    while t < 2.0:
+        t += 0.3 + 0.1 * x[0]
+        log.append((t, "late" if t > 1.0 else "early", x * t))
+        if t > 1.5:
+            log.append((t * x[1], "last", x))
+    return sum(time * u[1] for time, _, u in log) + log[-1][0] * len(log)
+
+
+def one_text_in_tuples(x):
+    log = [("point", k, v * v) for k, v in enumerate(x) if v > 0.45]
+    return sum(e[2] * (e[1] + 1) for e in log) + len(log[0][0]) * x[0]
+
+
+def another_thing(x):
+    us = []
+    for v in x:
+        if v > 0.1:
+            us.append((v, "a"))
+    us.append(3.0)
+    return us[-1] * x[0]
+
+
 CHANGED = ("an object is changed that a list holds whose length only the run knows: change it before it is appended, "
            "or append a new one")
 
@@ -252,7 +276,7 @@ CHANGED = ("an object is changed that a list holds whose length only the run kno
 def cases():
     # gradients
     for kernel in (dicts, named_tuples, of_a_simulation, cascade, the_largest, one_after_another, not_in_a_list,
-                   written_arrays, several_loops):
+                   written_arrays, several_loops, texts_in_tuples, one_text_in_tuples):
         yield Case(kernel, (X,), ("x",))
     # refusals
     for kernel, place in ((changed_behind, "e.y"), (one_object, "e.t"), (changed_in_the_list, "events[-1].y += x[1]"),
@@ -260,6 +284,9 @@ def cases():
         yield Case(kernel, (X,), refused=f"S201 at `{place}`: {CHANGED}")
     yield Case(read_behind_a_loop, (X,), refused="S201 at `e`: 'e' is a structure before a loop that binds it, and "
                "read behind it: give what the loop binds another name")
+    yield Case(another_thing, (X,), refused=(
+        "S201 at `us.append(3.0)`: objects that hold different things are put into one list whose length only the run "
+        "knows: give each the same attributes, or keep a list for each kind"))
     yield Case(shared_array, (X,), refused=(
         "S201 at `events.append(Event(t, w))`: a list holds an array that is written, not a copy of it: append a copy: "
         ".append(x.copy())"))

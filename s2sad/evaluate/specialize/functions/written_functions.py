@@ -9,18 +9,15 @@ from typing import Any
 import numpy
 
 from s2sad import tree
-from s2sad.diagnostics import Diagnostic, S2sadError, Span
-from s2sad.evaluate import library_functions, list_functions
+from s2sad.evaluate import library_functions
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function, library_call
-from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.values import Data, Iteration, TupleValue, Value, constant
 from s2sad.evaluate.specialize.sequences.known_shapes import shape
 from s2sad.read.outside_values import library_value
 from s2sad.tree import AST, placed, walk
 
-_OURS = (library_functions.__file__, list_functions.__file__)
 _ROOMS = [f"numpy.polynomial.{room}" for room in ("legendre", "chebyshev", "hermite", "hermite_e", "laguerre")]
 _MOST_POINTS = 64       # of a quadrature, which are written out
 
@@ -37,21 +34,8 @@ def written_function(ev: Evaluator, path: str, args: Sequence[Value], keywords: 
 def called_here(ev: Evaluator, made: Callable[..., Any], args: Sequence[Value], keywords: Mapping[str, Value],
                 node: AST, f: Frame) -> Value:
     """What a function of ours gives that is read as one of the user's is; what it says is said of the call."""
-    start = len(ev.block)
-    try:
-        found = ev.call(ev.outside_value(made.__name__, made, node, f), args, keywords, node, f)
-    except Unevaluated as reason:
-        reason.error = _of_the_call(ev, reason.error, node)
-        raise
-    except S2sadError as error:
-        raise _of_the_call(ev, error, node) from None
-    if isinstance(found, Iteration) and found.kind == "yields":
-        found = _told_here(ev, found, node)
-    for made_here in (*ev.block[start:], *([found.node] if isinstance(found, Data) else ())):
-        for n in walk(made_here):
-            if getattr(n, "lineno", None) and ev.source.home(n.lineno)[0].path in _OURS:
-                placed(n, node)
-    return found
+    found = ev.call(ev.outside_value(made.__name__, made, node, f), args, keywords, node, f)
+    return _told_here(ev, found, node) if isinstance(found, Iteration) and found.kind == "yields" else found
 
 
 def _told_here(ev: Evaluator, generator: Iteration, node: AST) -> Iteration:
@@ -63,17 +47,6 @@ def _told_here(ev: Evaluator, generator: Iteration, node: AST) -> Iteration:
             placed(n, node)
         ev.loops_of[node, definition.name] = text
     return replace(generator, more=(frame, ev.loops_of[node, definition.name]))
-
-
-def _of_the_call(ev: Evaluator, error: S2sadError, node: AST) -> S2sadError:
-    """What is refused in a function that stands for NumPy's, at its call; beside it what is raised there."""
-    def moved(said: Diagnostic) -> Diagnostic:
-        span = said.span
-        if span is None or span.source.path not in _OURS:
-            return said
-        line = span.source.line(span.line).strip()
-        return replace(said, span=Span.of(ev.source, node), note=said.note or line * line.startswith("raise "))
-    return type(error)(*map(moved, error.diagnostics)) if getattr(node, "lineno", None) else error
 
 
 def _by_arguments(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> Callable[..., Any] | None:

@@ -22,7 +22,7 @@ from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.values import (
-    FACTORY, Data, OpaqueValue, Reference, TupleValue, Value, alike, constant, parts,
+    FACTORY, Choice, Data, OpaqueValue, Reference, TupleValue, Value, alike, constant, parts,
 )
 from s2sad.tree import AST
 
@@ -102,7 +102,7 @@ def append_residual(ev: Evaluator, base: Data, value: Value, node: AST, f: Frame
 @operation
 def as_row(ev: Evaluator, rows: ListedRecords | None, value: Value, node: AST) -> Value:
     """What is put into such a list in place of an object: the tuple of what it holds; any other value is itself."""
-    is_text = isinstance(value, OpaqueValue) or isinstance(value, Data) and isinstance(value.known, str)
+    is_text = _is_text_value(value)
     if not _has_records(ev, value) and not is_text:
         form: Any = ""
     elif rows is None:
@@ -160,9 +160,18 @@ def as_listed(ev: Evaluator, value: Value, objects: Mapping[int, Object], listed
     return value
 
 
+def _is_text_value(value: Value) -> bool:
+    """Whether a value is a text, or one of several."""
+    if isinstance(value, Choice):
+        return all(map(_is_text_value, value.values))
+    return isinstance(value, OpaqueValue) or isinstance(value, Data) and isinstance(value.known, str)
+
+
 def _has_records(ev: Evaluator, value: Value) -> bool:
+    """Whether a value is made of more than numbers and arrays."""
     if isinstance(value, TupleValue):
-        return value.made is not None or any(_has_records(ev, i) for i in value.items)
+        return value.made is not None or any(
+            _is_text_value(i) or _has_records(ev, i) for i in value.items)
     return isinstance(value, Reference) and ev.heap[value].kind in ("record", "dict")
 
 
@@ -170,7 +179,7 @@ def _form(ev: Evaluator, value: Value) -> Any:
     """What a value is made of."""
     if isinstance(value, Data) and not (value.is_known and (value.known is None or isinstance(value.known, str))):
         return _ROW
-    if isinstance(value, OpaqueValue):
+    if isinstance(value, OpaqueValue) or isinstance(value, Choice) and _is_text_value(value):
         return _TEXT
     if isinstance(value, TupleValue):
         return _Form("tuple", value.made, inner=tuple(_form(ev, i) for i in value.items))
