@@ -170,7 +170,7 @@ def order_of_numbers(keys, back):
     numbers = np.array(keys)
     if numbers.ndim != 1:
         raise ValueError("arrays are ordered")
-    return np.argsort(-numbers if back else numbers, kind="stable")
+    return np.argsort(0 - numbers if back else numbers, kind="stable")
 
 
 def order_of_columns(columns, back):
@@ -178,7 +178,7 @@ def order_of_columns(columns, back):
     order = np.arange(len(columns[0]))
     for numbers in columns[::-1]:
         held = numbers[order]
-        order = order[np.argsort(-held if back else held, kind="stable")]
+        order = order[np.argsort(0 - held if back else held, kind="stable")]
     return order
 
 

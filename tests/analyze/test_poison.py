@@ -113,11 +113,11 @@ def test_an_adjoint_that_does_not_record_is_told_by_it(engine, monkeypatch):
     """The pushes are taken out of the text: what the reverse sweep restores was never written."""
     taken = []
 
-    def without_pushes(self, identifier, path, text, guards, before=module_loader._Loader.__init__):
+    def without_pushes(self, identifier, path, text, *more, before=module_loader._Loader.__init__):
         lines = text.splitlines(keepends=True)
         left = [line for line in lines if "_stack[" not in line.partition("=")[0] or "for " in line]
         taken.append(len(lines) - len(left))
-        before(self, identifier, path, "".join(left), guards)
+        before(self, identifier, path, "".join(left), *more)
 
     with running(engine) as run_under:      # the runtime's functions are known, as they are without poison
         s2sad.vjp(s2sad.differentiate(new(stepped), engine=run_under), (X, 2), {"u": np.ones(7)}, wrt=("u",))
