@@ -174,21 +174,23 @@ def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     if ev.stays_one(through):
         rolled(ev, s, stays, peel, unroll)
     else:
-        _with_site_beside(ev, through, unroll)
+        _with_site_beside(ev, through, f, unroll)
     items = dict(ev.heap[f.reference].items)
     items.pop(slot, None)
     ev.heap.set_items(f.reference, items)
 
 
-def _with_site_beside(ev: Evaluator, through: Value, unroll: Callable[[], None]) -> None:
-    """Writes a loop out; a list that it goes through beside one of the run would have to be one of the run, too."""
+def _with_site_beside(ev: Evaluator, through: Value, f: Frame, unroll: Callable[[], None]) -> None:
+    """Writes a loop out; a list that grows, and is gone through beside one of the run, would have to be one, too."""
     try:
         unroll()
     except Unevaluated as reason:
         parts = _gone_through(through)
         if reason.site is None and any(isinstance(p, Data) and p.is_list for p in parts):
+            grown = {n.func.value.id for n in tree.walk(f.captured.tree) if isinstance(n, tree.Call) and isinstance(
+                n.func, tree.Attribute) and n.func.attr == "append" and isinstance(n.func.value, tree.Name)}
             reason.site = next((held.site for p in parts if isinstance(p, Reference) and (
-                held := ev.heap[p]).kind == "list" and held.site is not None), None)
+                held := ev.heap[p]).kind == "list" and (not held.items or held.label in grown)), None)
         raise
 
 
