@@ -90,8 +90,7 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
     if is_sparse(a, ev.heap) or is_sparse(b, ev.heap):
         ev.refuse_whole(a if is_sparse(a, ev.heap) else b, node)
     if kind not in ("Eq", "NotEq"):         # rows of lists of the run are ordered as tuples are
-        a, b = (TupleValue(tuple(ev.items_of(v, node, f))) if isinstance(v, Data) and v.count and not v.is_known else v
-                for v in (a, b))
+        a, b = (TupleValue(tuple(ev.items_of(v, node, f))) if _is_row(v) else v for v in (a, b))
     if isinstance(a, Data) and isinstance(b, Data):
         if a.is_known and b.is_known and (kind in ("Eq", "NotEq") or computed(does, a.known, b.known) is not UNKNOWN):
             return constant(does(a.known, b.known))
@@ -129,6 +128,12 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
                          help="make it an array: np.array([...])")
     refused = ev.refusal(node, f"{ev.kind_of(a)} and {ev.kind_of(b)} are compared")
     raise Unevaluated(refused, demands_of(a, b)) if demands_of(a, b) else refused
+
+
+def _is_row(value: Value) -> bool:
+    """Whether a value is a tuple of the run's, which is no shape."""
+    return isinstance(value, Data) and bool(value.count) and not value.is_known and not isinstance(
+        value.node, tree.Attribute)
 
 
 @operation

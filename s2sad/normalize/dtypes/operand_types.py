@@ -88,7 +88,8 @@ class OperandTypes:
         if not isinstance(node, AugAssign):
             return None
         held, made = self.typing.of(node.target), self.typing.of(BinOp(node.target, node.op, node.value))
-        if not held.is_array or not held.dtype or not made.dtype or np.can_cast(made.dtype, held.dtype, "same_kind"):
+        if not held.is_array or not held.dtype or not made.dtype or made.is_complex or np.can_cast(
+                made.dtype, held.dtype, "same_kind"):       # a complex value is refused elsewhere
             return None
         return (f"an array of {held.dtype} is changed in place, and what it gets is {made.dtype}",
                 f"make it one of {made.dtype}: dtype={made.dtype.rstrip('0123456789')}, or a.astype(...)")
