@@ -102,9 +102,28 @@ METHODS: dict[str, Callable[..., Any]] = {
 
 
 # -- bisect and heapq ------------------------------------------------------------------------------------------------
-def insort(a, x, *, key=None):
-    a.append(x)
-    a.sort(key=key)
+def insort_right(a, x, *, key=None):
+    low, high = 0, len(a)
+    wanted = x if key is None else key(x)
+    while low < high:
+        middle = (low + high) // 2
+        if wanted < (a[middle] if key is None else key(a[middle])):
+            high = middle
+        else:
+            low = middle + 1
+    a.insert(low, x)
+
+
+def insort_left(a, x, *, key=None):
+    low, high = 0, len(a)
+    wanted = x if key is None else key(x)
+    while low < high:
+        middle = (low + high) // 2
+        if (a[middle] if key is None else key(a[middle])) < wanted:
+            low = middle + 1
+        else:
+            high = middle
+    a.insert(low, x)
 
 
 def heappush(heap, item):
@@ -165,11 +184,16 @@ def keys_of(items, key):
     return [key(item) for item in items]
 
 
-def order_of_numbers(keys, back):
-    """The places of numbers in their order; of equal ones the first is the first."""
+def numbers_of(keys):
     numbers = np.array(keys)
     if numbers.ndim != 1:
-        raise ValueError("arrays are ordered")
+        raise ValueError("arrays are ordered: give a key that is a number")
+    return numbers
+
+
+def order_of_numbers(keys, back):
+    """The places of numbers in their order; of equal ones the first is the first."""
+    numbers = numbers_of(keys)
     return np.argsort(0 - numbers if back else numbers, kind="stable")
 
 
@@ -183,11 +207,12 @@ def order_of_columns(columns, back):
 
 
 def order_of_rows(keys, back, width):
-    return order_of_columns([np.array([row[k] for row in keys]) for k in range(width)], back)
+    return order_of_columns([numbers_of([row[k] for row in keys]) for k in range(width)], back)
 
 
 def first_of_numbers(keys, back):
-    return np.argmax(np.array(keys)) if back else np.argmin(np.array(keys))
+    numbers = numbers_of(keys)
+    return np.argmax(numbers) if back else np.argmin(numbers)
 
 
 def first_of_rows(keys, back, width):

@@ -1,6 +1,7 @@
 """Lists of which only the run knows the length, changed within and ordered: random programs against Python."""
 from __future__ import annotations
 
+import bisect
 from random import Random
 
 import numpy as np
@@ -70,3 +71,45 @@ def test_changed_within(seed, tmp_path):
                 compare(f, derivative, n)
             except s2sad.S2sadError as error:       # a list whose items are known does not have the item
                 assert value_of(f, X, n) is None and "no item" in str(error) or "no such item" in str(error)  # noqa: PT017
+
+
+def into_what_is_not_in_order(x):
+    us = [3.0, 1.0, 2.0]
+    for v in x:
+        bisect.insort_right(us, v)
+        bisect.insort_left(us, 0.7 * v)
+    return sum((k + 1) * u for k, u in enumerate(us))
+
+
+def before_and_behind_equal_ones(x):
+    us = [(0.5, 1.0), (1.0, 2.0), (1.0, 3.0)]
+    if x[0] > 0.0:
+        us.append((2.0, 4.0))
+    bisect.insort_left(us, (1.0, x[0]), key=lambda p: p[0])
+    bisect.insort(us, (1.0, x[1]), key=lambda p: p[0])
+    return sum((k + 1) * p[1] for k, p in enumerate(us))
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+@pytest.mark.parametrize("kernel", [into_what_is_not_in_order, before_and_behind_equal_ones])
+def test_insort_is_a_search_and_an_insertion(kernel, engine):
+    with running(engine) as name:
+        value, gradient = s2sad.value_and_gradient(s2sad.differentiate(kernel, engine=name))(X)
+    assert value == pytest.approx(kernel(X), rel=1e-14)
+    slope = [(kernel(X + h) - kernel(X - h)) / 2e-6 for h in 1e-6 * np.eye(4)]
+    np.testing.assert_allclose(gradient, slope, rtol=1e-7)
+
+
+def by_parts_of_rows(x):
+    ps = []
+    for k, v in enumerate(x):
+        if v > 0.05:
+            ps.append((v, k, v * v))
+    return x * min(ps, key=lambda p: p[1:])[2]
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_arrays_have_no_order(engine):
+    """Sorted along an axis they would give the items of other places."""
+    with running(engine) as name, pytest.raises(ValueError, match="arrays are ordered: give a key that is a number"):
+        s2sad.vjp(s2sad.differentiate(by_parts_of_rows, engine=name), (X,), {"return": np.ones(4)})

@@ -39,8 +39,9 @@ def unrolled(ev: Evaluator, s: Any, cursor: Any, f: Frame, bind: Callable[[Value
             item, cursor = found
             count += 1
             evaluated += 1
-            if ev.may_stay and (is_long := count > ev.unroll_limit or evaluated > _SEVERAL * (count + _SEVERAL)):
-                ev.stayed = is_long
+            is_long = count > ev.unroll_limit
+            if ev.may_stay and (is_long or evaluated > _SEVERAL * (count + _SEVERAL)):
+                ev.stayed |= is_long        # without a limit it would be written out
                 raise ev.unknown(s, "a loop of many rounds would be written out")
             if count > LARGEST_SEQUENCE:
                 raise ev.refusal(s, f"a loop of more than {LARGEST_SEQUENCE} rounds, of which something must be known "

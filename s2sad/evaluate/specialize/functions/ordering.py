@@ -264,7 +264,8 @@ def _queue(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 def _insort(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -> Value:
     if len(args) != 2 or options.keys() - {"key"}:
         raise ev.refusal(node, "bisect.insort into a part of a list", help="append, and sort")
-    return ev.called_here(list_functions.insort, args, options, node, f)
+    left = ev.called == "insort_left"
+    return ev.called_here(list_functions.insort_left if left else list_functions.insort_right, args, options, node, f)
 
 
 @function("bisect.bisect", "bisect.bisect_right", "bisect.bisect_left")

@@ -43,8 +43,8 @@ class _Form:
 
 @dataclass(eq=False)
 class ListedRecords:
-    """What the items of the lists of one site are made of, once one is there; "" of numbers, arrays and tuples, which
-    are `width` wide, 0 of what is no tuple. A deque keeps the last `most` of them."""
+    """What the items of the lists of one site are made of, once one is there; "" of numbers, arrays and tuples. Tuples
+    of numbers are `width` wide, numbers 0. A deque keeps the last `most` of them."""
     form: Any = None
     width: int | None = None
     is_read: bool = False
@@ -118,7 +118,7 @@ def as_row(ev: Evaluator, rows: ListedRecords | None, value: Value, node: AST) -
                              "knows", help="give each the same attributes, or keep a list for each kind")
     if form == "":
         if rows is not None:
-            rows.width = len(value.items) if isinstance(value, TupleValue) else getattr(value, "count", None) or 0
+            rows.width = _width(value)
         return value
     if form == _TEXT:
         return constant(0)
@@ -158,6 +158,14 @@ def as_listed(ev: Evaluator, value: Value, objects: Mapping[int, Object], listed
     for inner in parts(value):
         as_listed(ev, inner, objects, listed)
     return value
+
+
+def _width(value: Value) -> int | None:
+    """How many numbers a tuple has, 0 of a number; None of what has no order, as an array."""
+    items = value.items if isinstance(value, TupleValue) else (value,)
+    if any(not isinstance(i, Data) or i.shape or i.is_list for i in items):
+        return None
+    return len(items) if isinstance(value, TupleValue) else getattr(value, "count", None) or 0
 
 
 def _is_text_value(value: Value) -> bool:
