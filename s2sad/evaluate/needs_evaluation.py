@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from s2sad.evaluate.argument_binding import OPTIONS, parameters_of_library, result_count
-from s2sad.evaluate.library_functions import WITH_OPTION, WRITTEN
-from s2sad.evaluate.list_functions import METHODS
+from s2sad.evaluate.library import WITH_OPTION, WRITTEN
+from s2sad.evaluate.library.lists import METHODS
 from s2sad.program import Program
 from s2sad.tree import (
     AST, Assign, Attribute, Call, Compare, Constant, Dict, Expr, For, FunctionDef, GeneratorExp, In, Is, IsNot, List,

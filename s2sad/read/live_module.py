@@ -90,8 +90,7 @@ def _member(module: types.ModuleType, name: str) -> Any:
 
 def is_read(value: Any) -> bool:
     """Whether a function or a class of this package is read like a user's."""
-    return GIVEN.own(value) is not None or value.__module__ in (
-        "s2sad.evaluate.random_numbers", "s2sad.evaluate.library_functions", "s2sad.evaluate.list_functions")
+    return GIVEN.own(value) is not None or value.__module__.startswith("s2sad.evaluate.library.")
 
 
 def live_meaning(name: str, value: Any) -> Meaning:

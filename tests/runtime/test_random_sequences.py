@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from s2sad.evaluate import random_numbers
+from s2sad.evaluate.library import random_numbers
 from s2sad.runtime import random_sequences
 
 CALLS = [

@@ -16,7 +16,8 @@ from s2sad.evaluate.specialize.classes import (
     attribute_dictionary, class_attributes, class_layout, class_lookup, construction,
 )
 from s2sad.evaluate.specialize.control import (
-    branches, choices, compound_statements, guard_statements, loop_statements, residual_loops, written_out_loops,
+    branches, choices, compound_statements, guard_statements, loop_statements, residual_loops, while_statements,
+    written_out_loops,
 )
 from s2sad.evaluate.specialize.entry import Residual, specialize, unread
 from s2sad.evaluate.specialize.functions import (
@@ -38,6 +39,6 @@ __all__ = [
     "iterator_use", "library_calls", "listed_records", "live_values", "loop_statements", "matrix_construction",
     "matrix_operations", "matrix_values", "meanings", "nested_ranges", "numeric_operators", "object_functions",
     "ordering", "residual_lists", "residual_loops", "separate_call", "shape_changes", "shared_rows", "specialize",
-    "spelling", "standard_library", "subscripts", "unread", "vectorized_functions", "written_functions",
-    "written_out_loops",
+    "spelling", "standard_library", "subscripts", "unread", "vectorized_functions", "while_statements",
+    "written_functions", "written_out_loops",
 ]

@@ -9,8 +9,8 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.diagnostics import Diagnostic, S2sadError, Span
-from s2sad.evaluate import library_functions, list_functions, random_numbers
 from s2sad.evaluate.effects import is_writing_call
+from s2sad.evaluate.library import is_of_library
 from s2sad.evaluate.mutating_calls import stored_out
 from s2sad.evaluate.specialize.control.choice_joins import are_functions
 from s2sad.evaluate.specialize.control.choices import chosen
@@ -31,7 +31,6 @@ from s2sad.live_objects.registry import GIVEN
 from s2sad.read.outside_values import library_value
 from s2sad.tree import AST
 
-_OF_LIBRARIES = (random_numbers.__file__, library_functions.__file__, list_functions.__file__)
 DEEPEST = 60        # calls within calls: beyond, recursion does not end for what is known
 
 
@@ -182,7 +181,7 @@ def _function(ev: Evaluator, function: FunctionValue, args: Sequence[Value], key
         return residual_call(ev, tree.at(tree.name(ev.residual_function(function, node)), node),
                              [*function.first, *args], {**dict(function.keywords), **keywords}, node)
     args, keywords = [*function.first, *args], {**dict(function.keywords), **keywords}
-    if function.captured.source.path in _OF_LIBRARIES:
+    if is_of_library(function.captured.source.path):
         return as_written(ev, function, args, keywords, node, f)
     if ev.handlers:         # which catch what it raises
         return inlined(ev, function, args, keywords, node, f)
@@ -219,7 +218,7 @@ def _of_the_call(ev: Evaluator, error: S2sadError, node: AST) -> S2sadError:
     """What is refused in a function that stands for NumPy's, at its call; beside it what is raised there."""
     def moved(said: Diagnostic) -> Diagnostic:
         span = said.span
-        if span is None or span.source.path not in _OF_LIBRARIES:
+        if span is None or not is_of_library(span.source.path):
             return said
         line = span.source.line(span.line).strip()
         return replace(said, span=Span.of(ev.source, node), note=said.note or line * line.startswith("raise "))

@@ -8,7 +8,7 @@ import sys
 import types
 from typing import Any
 
-from s2sad.evaluate.library_functions import WRITTEN
+from s2sad.evaluate.library import WRITTEN
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.values import (

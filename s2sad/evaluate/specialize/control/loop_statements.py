@@ -1,4 +1,4 @@
-"""for, while, break, continue, return: a loop stays one if nothing in it must be known, else it is written out.
+"""for, break, continue, return: a loop stays one if nothing in it must be known, else it is written out.
 """
 from __future__ import annotations
 
@@ -14,67 +14,14 @@ from s2sad.evaluate.specialize.sequences.generators import is_lazy
 from s2sad.evaluate.specialize.sequences.nested_ranges import NESTED
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation, statement
-from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Undecided, Unevaluated
+from s2sad.evaluate.specialize.signals import NOWHERE, Leave, Unevaluated
 from s2sad.evaluate.specialize.heap import Temporary
-from s2sad.evaluate.specialize.control.first_iteration import Split, peeled, split_iteration
+from s2sad.evaluate.specialize.control.first_iteration import peeled, split_iteration
 from s2sad.evaluate.specialize.control.loop_closed_names import read_outside
 from s2sad.evaluate.specialize.control.residual_loops import ResidualLoop
 from s2sad.evaluate.specialize.separate.needed_numbers import needed_numbers
 from s2sad.evaluate.specialize.values import NONE, Data, Iteration, Reference, TupleValue, Value, alike, constant
-from s2sad.evaluate.specialize.control.written_out_loops import WhileCursor
 from s2sad.tree import AST
-
-
-@statement("While")
-def while_statement(ev: Evaluator, s: Any, f: Frame) -> None:
-    def stays() -> None:
-        def once() -> Callable[[list[AST]], AST]:
-            before, loop = ev.snapshot(), ev.loops[-1]
-            block, guarded, pending, depth = ev.block, ev.guarded, list(ev.pending), ev.depth
-            try:
-                test = ev.test_of(s.test, f)
-            except Undecided:           # a statement of its own is evaluated for each of several things
-                ev.block, ev.guarded, ev.pending[:], ev.depth = block, guarded, pending, depth
-                ev.restore(before)
-                leaving = tree.at(tree.If(tree.UnaryOp(tree.Not(), s.test), [tree.at(tree.Break(), s)], []), s.test)
-                loop.is_endless, loop.make = True, lambda body: tree.While(tree.const(True), body, [])
-                ev.statements([leaving, *s.body], f)
-                return loop.make
-            if isinstance(test, bool) and not test:
-                raise ev.unknown(s.test, "a loop ends here")
-            plain = not ev.has_acted(before)
-            node = test.node if isinstance(test, Data) else tree.const(True)
-            if not plain and isinstance(test, Data):        # the test has statements of its own
-                jump = tree.at(tree.Break(), s)
-                ev.emit(tree.If(tree.UnaryOp(tree.Not(), node), [jump], []), s)
-                loop.exits.append((jump, ev.block[-1].body, ev.heap.fork()))
-                node = tree.const(True)
-            loop.is_endless = isinstance(node, tree.Constant)
-            loop.make = lambda body: tree.While(node, body, [])
-            ev.statements(s.body, f)
-            return loop.make
-        ev.residual_loop(s, once, f)
-    known = test_known(ev, s, f)
-    if known is False or s.orelse:
-        ev.statements(s.orelse, f) if known is False else ev.while_with_else(s, f)
-        return
-
-    def peel() -> None:
-        test = ev.test_of(s.test, f)
-        tests = (ev.named(test, "runs", s.test).node,) if isinstance(test, Data) else ()
-        peeled(ev, s, f, Split(NONE, NONE, tests), lambda: rolled(ev, s, stays), lambda _: None)
-    unroll = (lambda: ev.unrolled(s, WhileCursor(ev, s, f), f, lambda _: None)) if known else None
-    rolled(ev, s, stays, peel, unroll)
-
-
-def test_known(ev: Evaluator, s: Any, f: Frame) -> bool | None:
-    """The test of a loop before its first round, None where it is not known; what the test does is done where there is
-    no round."""
-    before = ev.snapshot()
-    test = ev.test_of(s.test, f)
-    if test is not False:
-        ev.restore(before)
-    return None if isinstance(test, Data) else test
 
 
 def rolled(ev: Evaluator, s: Any, *forms: Callable[[], Any] | None) -> None:

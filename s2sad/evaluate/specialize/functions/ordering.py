@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate import list_functions
+from s2sad.evaluate.library import lists
 from s2sad.evaluate.specialize.control.choices import chosen
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
@@ -101,10 +101,10 @@ def _row(ev: Evaluator, values: Sequence[Value], node: AST, f: Frame) -> Data:
 def _order(ev: Evaluator, keys: Sequence[Value], back: bool, node: AST, f: Frame) -> Any:
     """The places of keys of which only the run knows the order; of equal ones the first is the first."""
     if not _width(keys):
-        return ev.called_here(list_functions.order_of_numbers, [_row(ev, keys, node, f), constant(back)], {}, node, f)
+        return ev.called_here(lists.order_of_numbers, [_row(ev, keys, node, f), constant(back)], {}, node, f)
     columns: Any = zip(*(k.items for k in keys))  # pyright: ignore[reportAttributeAccessIssue]
     rows = TupleValue(tuple(ev.named(_row(ev, column, node, f), "column", node) for column in columns))
-    return ev.called_here(list_functions.order_of_columns, [rows, constant(back)], {}, node, f)
+    return ev.called_here(lists.order_of_columns, [rows, constant(back)], {}, node, f)
 
 
 def _sorted_array(ev: Evaluator, array: Value, back: bool, node: AST, f: Frame) -> Data:
@@ -158,19 +158,19 @@ def _sorted(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) ->
     if isinstance(given, Data) and given.is_list:
         back = bool(ev.known(options["reverse"], node, "reverse=")) if "reverse" in options else False
         order = _order_of_list(ev, given, options, back, "order", node, f)
-        return ev.called_here(list_functions.in_order, [given, order], {}, node, f)
+        return ev.called_here(lists.in_order, [given, order], {}, node, f)
     return ev.list_of(sorted_items(ev, ev.items_of(given, node, f), options, node, f), node)
 
 
 def _order_of_list(ev: Evaluator, items: Data, options: Options, back: bool, wanted: str, node: AST, f: Frame) -> Any:
     """The places of the items of a list of the residual program in their order, or the `first` of these."""
     keys = items if _has_no_key(options) else ev.called_here(
-        list_functions.keys_of, [items, options["key"]], {}, node, f)
+        lists.keys_of, [items, options["key"]], {}, node, f)
     width = None if keys.rows is None or keys.rows.form else keys.rows.width
     if width is None:
         raise ev.unknown(node, "what a list is sorted by must be known before the run, or be a number for each item")
     kind, more = ("numbers", []) if not width else ("rows", [constant(width)])
-    return ev.called_here(getattr(list_functions, f"{wanted}_of_{kind}"), [keys, constant(back), *more], {}, node, f)
+    return ev.called_here(getattr(lists, f"{wanted}_of_{kind}"), [keys, constant(back), *more], {}, node, f)
 
 
 @function("builtins.min", "builtins.max")
@@ -246,8 +246,8 @@ class _Item:
 @function("heapq.heappush", "heapq.heappop", "heapq.heapify", "heapq.heappushpop", "heapq.heapreplace")
 def _queue(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     name, queue = ev.called, args[0]
-    if isinstance(queue, Data) and queue.is_list and name in list_functions.QUEUES:
-        return ev.called_here(list_functions.QUEUES[name], args, {}, node, f)
+    if isinstance(queue, Data) and queue.is_list and name in lists.QUEUES:
+        return ev.called_here(lists.QUEUES[name], args, {}, node, f)
     held = ev.heap[queue] if isinstance(queue, Reference) else None
     refused = ev.unknown(node, "a queue is ordered by what is not known before the run", site=held and held.site,
                          help="loop over the items, and take the first: min(queue, key=...)")
@@ -265,7 +265,7 @@ def _insort(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) ->
     if len(args) != 2 or options.keys() - {"key"}:
         raise ev.refusal(node, "bisect.insort into a part of a list", help="append, and sort")
     left = ev.called == "insort_left"
-    return ev.called_here(list_functions.insort_left if left else list_functions.insort_right, args, options, node, f)
+    return ev.called_here(lists.insort_left if left else lists.insort_right, args, options, node, f)
 
 
 @function("bisect.bisect", "bisect.bisect_right", "bisect.bisect_left")

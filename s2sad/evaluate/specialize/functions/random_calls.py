@@ -4,7 +4,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from s2sad.evaluate import random_numbers
+from s2sad.evaluate.library import random_numbers
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.separate.call_view import Changes

@@ -1,4 +1,4 @@
-"""written_functions: calls of functions of NumPy's that `library_functions` says, and of those that are constant.
+"""written_functions: calls of functions that `evaluate/library/` says, and of those that are constant.
 """
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy
 
 from s2sad import tree
-from s2sad.evaluate import library_functions
+from s2sad.evaluate.library import WITH_OPTION, WRITTEN, arrays
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function, library_call
@@ -26,7 +26,7 @@ _MOST_POINTS = 64       # of a quadrature, which are written out
 def written_function(ev: Evaluator, path: str, args: Sequence[Value], keywords: Mapping[str, Value], node: AST, f: Frame
                      ) -> Value | None:
     """What a function gives that is written in Python; None for any other one."""
-    made = library_functions.WRITTEN.get(path) or _by_arguments(path, args, keywords)
+    made = WRITTEN.get(path) or _by_arguments(path, args, keywords)
     return None if made is None else called_here(ev, made, args, keywords, node, f)
 
 
@@ -51,20 +51,20 @@ def _told_here(ev: Evaluator, generator: Iteration, node: AST) -> Iteration:
 
 def _by_arguments(path: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> Callable[..., Any] | None:
     """The function that is for arguments which the function's own rule does not know."""
-    made, options = library_functions.WITH_OPTION.get(path, (None, ()))
+    made, options = WITH_OPTION.get(path, (None, ()))
     if made is not None and any(k in keywords for k in options):
         return made
     if path == "numpy.expand_dims" and isinstance(_at(args, keywords, 1, "axis"), TupleValue):
-        return library_functions.expand_dims
+        return arrays.expand_dims
     if path == "numpy.unravel_index" and len(args) == 2 and not keywords and (
             isinstance(args[1], TupleValue) or isinstance(args[1], Data) and args[1].count is not None):
-        return library_functions.unravel_index
+        return arrays.unravel_index
     if path == "numpy.stack" and _at(args, keywords, 1, "axis") is not None and isinstance(args[0], Data) and (
             args[0].is_list):
-        return library_functions.stack
+        return arrays.stack
     if path == "numpy.linspace" and any(shape(a) or isinstance(a, TupleValue) for a in (
             _at(args, keywords, 0, "start"), _at(args, keywords, 1, "stop")) if a is not None):
-        return library_functions.linspace
+        return arrays.linspace
     return None
 
 

@@ -3,7 +3,7 @@
     for v, w in zip(x, itertools.cycle((a, b))):            for k in range(len(x)):
         s += v * w                                  ->          s += x[k] * (a, b)[k % 2]
 
-A loop through one alone goes through the generator function that says what it gives (`library_functions`).
+A loop through one alone goes through the generator function that says what it gives (`library/iterators.py`).
 """
 from __future__ import annotations
 

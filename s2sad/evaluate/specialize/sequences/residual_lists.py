@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
-from s2sad.evaluate.list_functions import METHODS
+from s2sad.evaluate.library.lists import METHODS
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.sequences.counted_sequence import part_range

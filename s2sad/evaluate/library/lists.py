@@ -1,11 +1,10 @@
-"""list_functions: what lists of Python's do of which only the run knows how long they are, as functions that the
-evaluator reads.
+"""lists: what lists of Python's do of which only the run knows how long they are.
 
     us.insert(0, v)         ->      held = us[:];  us.clear();  us.append(v);  for u in held: us.append(u)
     sorted(us, key=f)       ->      order = np.argsort(np.array([f(u) for u in us]), kind="stable")
                                     [us[k] for k in order]
 
-Parameters are called as Python calls them. `METHODS` has their methods, `QUEUES` what `heapq` does.
+`METHODS` has their methods, `QUEUES` what `heapq` does.
 """
 from __future__ import annotations
 
