@@ -15,6 +15,12 @@ import numpy as np
 
 
 # -- methods ---------------------------------------------------------------------------------------------------------
+def extend(items, iterable):
+    held = iterable[:]
+    for k in range(len(held)):
+        items.append(held[k])
+
+
 def insert(items, index, object):
     held = items[:]
     place = max(index + len(held), 0) if index < 0 else min(index, len(held))

@@ -14,8 +14,8 @@ from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.subscripts import sequence_and_place
 from s2sad.evaluate.unpacking import item_count
 from s2sad.evaluate.specialize.values import (
-    NONE, UNKNOWN, ClassValue, Data, LibraryValue, ObjectValue, Reference, ScopeValue, SliceValue, TupleValue, Value,
-    constant, parts,
+    NONE, UNKNOWN, ClassValue, Data, LibraryValue, ObjectValue, Reference, ResidualObject, ScopeValue, SliceValue,
+    TupleValue, Value, constant, parts,
 )
 from s2sad.tree import AST
 
@@ -117,9 +117,21 @@ def _all_items(ev: Evaluator, target: AST, value: Data, rest: Any, f: Frame) -> 
 
 def place_of(ev: Evaluator, target: Any, f: Frame) -> tuple[Value, Any]:
     """What a target is in, and its key there: an attribute's name, or an index."""
+    _ask_of_listed(ev, target, f)
     if isinstance(target, tree.Attribute):
         return ev.value(target.value, f), target.attr
     return sequence_and_place(ev, target, f)
+
+
+def _ask_of_listed(ev: Evaluator, target: Any, f: Frame) -> None:
+    """Asks for what a list of the run holds, and of which an array is written, as a row of a table."""
+    inner = target
+    while isinstance(inner, tree.Subscript):
+        inner = inner.value
+    if isinstance(inner, tree.Attribute) and isinstance(inner.value, tree.Name):
+        held = ev.heap[holder_of(ev, f, inner.value.id)].items.get(inner.value.id)
+        if isinstance(held, Reference) and held.number in ev.in_lists:
+            raise ev.changed_in_list(held.number, target)
 
 
 @operation
@@ -141,8 +153,12 @@ def assign_to(ev: Evaluator, base: Value, key: Any, value: Value, origin: AST, f
         stored = ev.spelled_item(ev.as_row(base.rows, value, origin), origin) if base.is_list else ev.spelled(
             value, origin)
         ev.emit(tree.assign(place, stored), statement or origin, True)
-    elif isinstance(base, Reference) and isinstance(key, str):
+    elif isinstance(base, (Reference, ResidualObject)) and isinstance(key, str):
         ev.assign_attribute(base, key, value, origin, f)
+    elif isinstance(base, ResidualObject) and base.table.kind != "record":
+        ev.store_residual(base, key, value, origin, f)
+    elif isinstance(base, ResidualObject):
+        ev.call(ev.attribute_of(base, "__setitem__", origin, f), [key, value], {}, origin, f)
     elif isinstance(base, Reference) and ev.heap[base].kind == "record" and ev.heap[base].made is None:
         ev.assign_attribute(base, ev.key_of(key, origin), value, origin, f)  # pyright: ignore
     elif isinstance(base, Reference) and ev.heap[base].kind == "record":
@@ -257,6 +273,8 @@ def augmented_assign(ev: Evaluator, s: Any, f: Frame) -> None:
         return
     base, key = place_of(ev, s.target, f)
     base = ev.indexed(base, s)
+    if isinstance(base, ResidualObject) and ev.is_held_plainly(base, key, s.target, f):
+        base, key = ev.residual_place(base, key, s.target) or (base, key)
     if isinstance(base, Data):
         _augmented_part(ev, s, base, key, f)
         return
@@ -356,9 +374,9 @@ def _gathers(key: Any) -> bool:
 
 def _stores_otherwise(ev: Evaluator, base: Value, key: Any, s: AST, f: Frame) -> bool:
     """Whether more is done than to hold what is assigned: by a property, or a class of the user's."""
-    if not isinstance(base, Reference) or ev.heap[base].kind != "record":
+    if not isinstance(base, ResidualObject) and (not isinstance(base, Reference) or ev.heap[base].kind != "record"):
         return False
-    found = ev.class_item(ev.heap[base].made, key, s, f) if isinstance(key, str) else None
+    found = ev.class_item(ev.class_of(base), key, s, f) if isinstance(key, str) else None
     return not isinstance(key, str) or found is not None and isinstance(found[1], LibraryValue)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections import Counter, OrderedDict, defaultdict, deque
 from enum import Enum
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     UNKNOWN, WITH_NONE, ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, OpaqueValue,
-    Reference, ScopeValue, SliceValue, SuperValue, TupleValue, Value, constant,
+    Reference, ResidualObject, ScopeValue, SliceValue, SuperValue, TupleValue, Value, constant,
 )
 from s2sad.live_objects.guards import ABSENT, taken
 from s2sad.tree import AST
@@ -25,6 +26,11 @@ _CONTAINERS: dict[str, tuple[type, ...]] = {
     "list": (list, deque), "dict": (dict, Counter, OrderedDict, defaultdict), "set": (set, frozenset)}
 
 _NUMBERS = (np.ndarray, np.float64, int, complex)
+
+
+def _has(kind: type, name: str) -> bool:
+    """Whether an object of a type has an attribute: what the type itself has as an object does not count."""
+    return any(name in vars(c) for c in kind.__mro__)
 
 
 @operation
@@ -38,12 +44,14 @@ def attribute_of(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) -> 
             return _of_object(ev, base, held, name, node, f)
         if is_sparse(base, ev.heap):
             return ev.matrix_attribute(base, name, node, f)
-        if not any(hasattr(made, name) for made in _CONTAINERS.get(held.kind, (object,))):
+        if not any(_has(made, name) for made in _CONTAINERS.get(held.kind, (object,))):
             said = ev.subject(base, node)
-            of_arrays = hasattr(np.ndarray, name) and said.startswith("'")
+            of_arrays = _has(np.ndarray, name) and said.startswith("'")
             help = f"pass numpy.array({said[1:-1]}, dtype=float)" if of_arrays else ""
             raise ev.refusal(node, f"{said}, {ev.kind_of(base)}, has no attribute '{name}' here", help, "S203")
         return constant(held.most) if name == "maxlen" else _method(ev, base, name, _CONTAINERS[held.kind], node)
+    if isinstance(base, ResidualObject):
+        return _of_row(ev, base, name, node, f)
     if isinstance(base, TupleValue):
         return _of_tuple(ev, base, name, node, f)
     if isinstance(base, ClassValue):
@@ -92,14 +100,15 @@ def _of_data(ev: Evaluator, base: Data, name: str, node: AST) -> Value:
         return Data(made, shape=None if whole is None else whole[::-1], origins=base.origins)
     if name in ("real", "imag", "dtype", "itemsize", "nbytes", "value", "mT") or _is_of_type(base.node):
         return Data(made)
-    if base.is_list and name == "maxlen" and base.rows is not None and (base.rows.most is None or base.rows.most >= 0):
-        return constant(base.rows.most)
+    most = base.rows.known.most if base.is_list and base.rows is not None else -1
+    if name == "maxlen" and (most is None or most >= 0):
+        return constant(most)
     return _method(ev, base, name, _CONTAINERS["list"] if base.is_list else _NUMBERS, node)
 
 
 def _method(ev: Evaluator, base: Value, name: str, kinds: tuple[type, ...], node: AST) -> MethodValue:
     """A method of what is of one of some types; refuses what is data there."""
-    there = [getattr(kind, name) for kind in kinds if hasattr(kind, name)]
+    there = [getattr(kind, name) for kind in kinds if _has(kind, name)]
     if there and name != "flat" and not any(map(callable, there)):
         raise ev.refusal(node, f"the attribute .{name} is not supported in a kernel",
                          help="read it outside, and give it to the kernel as an argument")
@@ -112,7 +121,7 @@ def refuse_missing(ev: Evaluator, value: Value, node: AST) -> None:
     base = value.base if isinstance(value, MethodValue) else None
     if isinstance(value, MethodValue) and isinstance(base, Data):
         kinds = (str,) if isinstance(base.known, str) else _CONTAINERS["list"] if base.is_list else _NUMBERS
-        if not any(hasattr(kind, value.name) for kind in kinds):
+        if not any(_has(kind, value.name) for kind in kinds):
             what = {str: "text", list: "list"}.get(kinds[0], "number and no array")
             raise ev.refusal(node, f"no {what} has an attribute .{value.name}",
                              help="ask for what there is, as .shape, .ndim and .size of an array")
@@ -123,7 +132,17 @@ def _is_of_type(node: AST) -> bool:
     return tree.call_name(node) in ("numpy.finfo", "numpy.iinfo")
 
 
-def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AST, f: Frame) -> Value:
+def _of_row(ev: Evaluator, base: ResidualObject, name: str, node: AST, f: Frame) -> Value:
+    """What an object of a table has under a name: what its class says, or what the table holds."""
+    table = base.table
+    if table.kind != "record":
+        return _method(ev, base, name, _CONTAINERS[table.kind], node)
+    held = Object("record", {k: constant(None) for k in table.columns}, table.made, label=table.made.name.lower())
+    found = _of_object(ev, base, held, name, node, f)
+    return ev.residual_item(base, name, node) if found is held.items.get(name) else found
+
+
+def _of_object(ev: Evaluator, base: Reference | ResidualObject, held: Object, name: str, node: AST, f: Frame) -> Value:
     if name == "__class__" and held.made is not None:
         return held.made
     if ev.class_item(held.made, "__getattribute__", node, f) is not None:
@@ -133,7 +152,7 @@ def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AS
     data = found is not None and isinstance(found[1], LibraryValue) and found[1].path == "builtins.property"
     if not data and name in held.items:
         return held.items[name]
-    if not data and held.live is not None:
+    if not data and held.live is not None and isinstance(base, Reference):
         own = taken(held.live, "own", name)
         slots = [taken(c.live, "own", "__slots__") for c in ev.mro(held.made)]
         if own is ABSENT and any(name in s for s in slots if s is not ABSENT):
@@ -147,6 +166,9 @@ def _of_object(ev: Evaluator, base: Reference, held: Object, name: str, node: AS
             return value
     if found is not None:
         if isinstance(found[1], LibraryValue) and found[1].path == "functools.cached_property":
+            if not isinstance(base, Reference):
+                raise ev.refusal(node, "a property that is computed once, of an object of which only the run knows "
+                                 "which it is", help="write it as a property")
             value = ev.call(found[1].first[0], [base], {}, node, f)
             ev.assign_slot(base, name, value, f"{held.label}_{name}" if held.label else name, node)
             return ev.heap[base].items[name]
@@ -175,16 +197,18 @@ def has_attribute(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) ->
         held = ev.heap[base]
         own = held.live is not None and taken(held.live, "own", name) is not ABSENT
         return own or name in held.items or ev.class_item(held.made, name, node, f) is not None
+    if isinstance(base, ResidualObject):
+        return name in base.table.columns or ev.class_item(base.table.made, name, node, f) is not None
     if isinstance(base, Data) and not base.is_known:
         numbers = (float, np.float64)
         kinds = (np.ndarray,) if base.shape else numbers if base.shape == () else (np.ndarray, *numbers)
-        found = {hasattr(kind, name) for kind in kinds}
+        found = {_has(kind, name) for kind in kinds}
         if len(found) > 1:      # it depends on what it is, or on whose number it is
             raise ev.unknown(node, f"whether this has '{name}' must be known before the run", base,
                              help="test it with isinstance")
         return found.pop()
     if isinstance(base, TupleValue) and base.made is not None:
-        return name in ev.layout_of(base.made).names or hasattr(tuple, name) or (
+        return name in ev.layout_of(base.made).names or _has(tuple, name) or (
             ev.class_item(base.made, name, node, f) is not None)
     if isinstance(base, ClassValue):
         return ev.class_item(base, name, node, f) is not None
@@ -263,11 +287,23 @@ def _of_library(ev: Evaluator, base: LibraryValue, name: str, node: AST) -> Valu
     return ev.library_member(base.path, name, node)
 
 
+@operation
+def is_held_plainly(ev: Evaluator, base: ResidualObject, key: Any, node: AST, f: Frame) -> bool:
+    """Whether nothing of the user's says how an attribute or an item is assigned."""
+    made = base.table.made
+    if made is None or not isinstance(key, str):
+        return base.table.kind != "record"
+    layout = ev.layout_of(made)
+    said = any(ev.class_item(made, name, node, f) is not None for name in ("__setattr__", key))
+    return not said and (layout is None or not layout.is_frozen)
+
+
 # -- assignment ------------------------------------------------------------------------------------------------------
 @operation
-def assign_attribute(ev: Evaluator, base: Reference, name: str, value: Value, node: AST, f: Frame) -> None:
+def assign_attribute(ev: Evaluator, base: Reference | ResidualObject, name: str, value: Value, node: AST, f: Frame
+                     ) -> None:
     """`base.name = value`."""
-    held = ev.change(base, node)
+    held = ev.change(base, node) if isinstance(base, Reference) else Object(base.table.kind, made=base.table.made)
     if held.kind != "record":
         raise ev.refusal(node, f"an attribute of {ev.kind_of(base)} is assigned", help="write into its entries: "
                          "A.data[:] = ..., or build another matrix" if is_sparse(base, ev.heap) else "")
@@ -286,6 +322,9 @@ def assign_attribute(ev: Evaluator, base: Reference, name: str, value: Value, no
     if layout is not None and layout.is_frozen:
         raise ev.refusal(node, f"an attribute of an object of class {held.made.name if held.made else '?'} is "
                          "assigned, which is frozen")
+    if not isinstance(base, Reference):
+        ev.store_residual(base, name, value, node, f)
+        return
     label = f"{held.label}_{name}" if held.label else name
     if isinstance(value, Reference) and not ev.heap[value].label:
         ev.heap.objects[value.number] = dataclasses.replace(ev.heap[value], label=label)

@@ -18,7 +18,7 @@ from s2sad.evaluate.specialize.sequences.iterator_use import DEFAULT
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, shape
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    UNKNOWN, Data, ObjectValue, OpaqueValue, Reference, TupleValue, Value, alike, constant, demands_of,
+    UNKNOWN, Data, ObjectValue, OpaqueValue, Reference, ResidualObject, TupleValue, Value, alike, constant, demands_of,
 )
 from s2sad.tree import AST
 
@@ -80,6 +80,8 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
     for v in (a, b):
         ev.refuse_missing(v, node)
     if kind in ("Is", "IsNot"):
+        if isinstance(a, ResidualObject) and isinstance(b, ResidualObject):
+            return _rows(ev, a, b, kind == "Is", node)
         return constant(_identical(ev, a, b, node) is (kind == "Is"))
     if texts := [v for v in (a, b) if isinstance(v, OpaqueValue)]:
         raise ev.unknown(node, f"{texts[0].what} is compared", texts[0],
@@ -112,6 +114,8 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
     if any(isinstance(v, Data) and v.shape for v in (a, b)) and any(map(ev.is_spelled_out, (a, b))):
         return Data(tree.at(tree.Compare(ev.spelled(a, node), [op], [ev.spelled(b, node)]), node),
                     demands=demands_of(a, b), shape=broadcast(a, b))
+    if isinstance(a, ResidualObject) and isinstance(b, ResidualObject) and kind in ("Eq", "NotEq"):
+        return _rows(ev, a, b, kind == "Eq", node)
     if isinstance(a, TupleValue) and isinstance(b, TupleValue):
         return _tuples(ev, op, a, b, node, f)
     if kind in ("Eq", "NotEq"):
@@ -162,6 +166,14 @@ def _overloaded_comparison(ev: Evaluator, word: str, a: Value, b: Value, node: A
         if found is not None:
             return found
     return None
+
+
+def _rows(ev: Evaluator, a: ResidualObject, b: ResidualObject, wanted: bool, node: AST) -> Value:
+    """Whether two objects of tables are one and the same."""
+    if a.table is not b.table or alike(a, b):
+        return constant((a.table is b.table) is wanted)
+    op = tree.Eq() if wanted else tree.NotEq()
+    return Data(tree.at(tree.Compare(ev.spelled(a.number, node), [op], [ev.spelled(b.number, node)]), node), shape=())
 
 
 def _tuples(ev: Evaluator, op: AST, a: TupleValue, b: TupleValue, node: AST, f: Frame) -> Value:
@@ -221,8 +233,9 @@ def _identical(ev: Evaluator, a: Value, b: Value, node: AST) -> bool:
         if all(paths):
             return _are_one(ev, paths[0], paths[1], node)
         if all(map(ev.is_listed, (a, b))):
-            raise ev.refusal(node, "whether two objects of a list are one and the same is asked, whose length only the "
-                             "run knows", help="compare what tells them apart: a.number == b.number")
+            raise ev.rows_wanted(ev.in_lists[a.number] | ev.in_lists[b.number], ev.refusal(
+                node, "whether two objects of a list are one and the same is asked, whose length only the run knows",
+                help="compare what tells them apart: a.number == b.number"))
         if any(paths) and any(ev.heap[r].live is not None for r in (a, b)):
             raise ev.refusal(node, "whether an object that is given is one from outside is asked", help="keep a flag")
     return len(datas) == 0 and alike(a, b)
@@ -250,6 +263,10 @@ def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Fr
         if isinstance(found, Data):
             return found if wanted else Data(tree.at(tree.UnaryOp(tree.Not(), found.node), node))
         return constant(found is wanted)
+    if isinstance(a, ResidualObject) and isinstance(b, Data) and b.is_list:
+        if ev.special_method(a, "__eq__", node, f) is not None or ev.compares_fields(a):
+            raise ev.refusal(node, "'in' compares objects, whose class says what equal is", help="write a loop")
+        a = a.number
     if isinstance(b, Data) and isinstance(b.known, str):
         return constant((ev.known(a, node, "a part of a text") in b.known) is wanted)
     if isinstance(b, Data) and (b.demands or shape(b) == ()):       # what is given may be a set; a number
@@ -258,7 +275,8 @@ def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Fr
         found = library_call(ev, "numpy.any", [library_call(ev, "numpy.equal", [b, a], {}, node, f)], {}, node, f)
         return found if wanted else Data(tree.at(tree.UnaryOp(tree.Not(), ev.spelled(found, node)), node))
     if isinstance(b, Data):
-        raise ev.refusal(node, "whether an array has an element that is no number is asked", help="compare numbers")
+        raise ev.rows_wanted(ev.made_at(a), ev.refusal(
+            node, "whether an array has an element that is no number is asked", help="compare numbers"))
     if isinstance(a, ObjectValue) and isinstance(b, ObjectValue) and isinstance(b.value, Flag):
         return constant((a.value in b.value) is wanted)
     before = ev.snapshot()

@@ -10,7 +10,9 @@ from s2sad import tree
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, expression
 from s2sad.evaluate.specialize.signals import Unbound, Unevaluated
-from s2sad.evaluate.specialize.values import Data, Reference, OpaqueValue, TupleValue, Value, constant, demands_of
+from s2sad.evaluate.specialize.values import (
+    Data, OpaqueValue, Reference, ResidualObject, TupleValue, Value, constant, demands_of, parts, with_parts,
+)
 from s2sad.tree import AST
 
 
@@ -37,8 +39,8 @@ def name_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
 
 def _read(ev: Evaluator, value: Value) -> Value:
     """What is read of a name: it is bound from here on, or the program has ended."""
-    if isinstance(value, TupleValue):
-        return replace(value, items=tuple(_read(ev, v) for v in value.items))
+    if isinstance(value, (TupleValue, ResidualObject)):
+        return with_parts(value, [_read(ev, v) for v in parts(value)])
     if isinstance(value, Data) and value.may_be_unbound:
         ev.unsure.add(value.name)
         return replace(value, may_be_unbound=False)
@@ -54,7 +56,7 @@ def tuple_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
 
 @expression("List")
 def list_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
-    return ev.list_of(starred(ev, node.elts, f), node)
+    return ev.as_residual(ev.list_of(starred(ev, node.elts, f), node), node)
 
 
 @expression("Set")
@@ -88,7 +90,7 @@ def dict_expression(ev: Evaluator, node: Any, f: Frame) -> Value:
         else:
             k = ev.key_of(next(values), key)
             found[k] = next(values)
-    return ev.new_dict(found, node)
+    return ev.as_residual(ev.new_dict(found, node), node)
 
 
 @expression("JoinedStr")

@@ -32,6 +32,7 @@ from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.separate.separate_functions import title_functions
 from s2sad.evaluate.specialize.sparse.place_writes import settled_places
 from s2sad.evaluate.specialize.sequences.constant_tables import with_tables
+from s2sad.evaluate.specialize.sequences.object_tables import with_columns
 from s2sad.evaluate.specialize.unread_lists import without_unread_lists
 from s2sad.evaluate.specialize.meanings import ResidualScope
 from s2sad.evaluate.specialize.values import (
@@ -115,7 +116,7 @@ def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, An
         captured = captured_of(function)
         ev = Evaluator(captured.source, dict(facts), asked.sites, unrolls, inlines, asked.cells, asked.choices,
                        unroll_limit)
-        ev.stayed = stayed
+        ev.stayed, ev.object_sites, ev.prefers_choices = stayed, asked.objects, asked.prefers_choices
         try:
             found = _evaluated(ev, function, captured, forms, reached, is_given)
             if not (cells := assigned_numbers(ev) - no_cells):
@@ -125,6 +126,8 @@ def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, An
             reached.append((found.name, found.value, found.is_owned))
         except (Unevaluated, S2sadError) as reason:
             more = asked.extended(ev, reason) if isinstance(reason, Unevaluated) else None
+            if more is None and asked.objects and not asked.prefers_choices:
+                more = _Asked(prefers_choices=True)
             if more is None and not ev.stayed:
                 raise (reason.error if isinstance(reason, Unevaluated) else reason) from None
             if more is None:
@@ -135,10 +138,13 @@ def specialize(function: Any, forms: Mapping[str, Form], facts: Mapping[Fact, An
 
 @dataclass(frozen=True)
 class _Asked:
-    """What an evaluation was found to need: lists of the run, numbers in objects with cells, slots with choices."""
+    """What an evaluation was found to need: lists of the run, numbers in objects with cells, slots with choices,
+    objects that are rows of tables."""
     sites: frozenset[int | str] = frozenset()
     cells: frozenset[str] = frozenset()
     choices: frozenset[str] = frozenset()
+    objects: frozenset[int] = frozenset()
+    prefers_choices: bool = False
 
     def extended(self, ev: Evaluator, reason: Unevaluated) -> _Asked | None:
         """With what would help, None if nothing would; raises DemandedFacts where facts of arguments do."""
@@ -149,6 +155,8 @@ class _Asked:
             return None                             # written out
         if reason.choice and reason.choice not in self.choices:
             return replace(self, choices=self.choices | {reason.choice})
+        if not reason.objects <= self.objects and not ev.unrolls:
+            return replace(self, objects=self.objects | reason.objects)
         site = None if ev.unrolls or reason.site is None else (
             reason.site if isinstance(reason.site, str) else id(reason.site))
         more = {site} if site is not None and site not in self.sites else {*map(id, () if ev.unrolls else ev.limited)}
@@ -190,7 +198,7 @@ def _evaluated(ev: Evaluator, function: Any, captured: Captured, forms: Mapping[
         store_cells(ev, definition.body[-1])
     except Leave:
         pass
-    body = without_unread_lists(settled_places(ev.block, lambda s: ev.refusal(
+    body = without_unread_lists(settled_places(with_columns(ev, ev.block, definition), lambda s: ev.refusal(
         s, "the places of the entries of a sparse matrix are written after it was made", "copy them before, or build "
         "another matrix"))) or [tree.at(tree.Pass(), definition)]
     body = with_tables(ev, body)

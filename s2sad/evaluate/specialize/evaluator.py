@@ -22,8 +22,8 @@ from s2sad.evaluate.specialize.heap import Heap, Object, Temporary
 from s2sad.evaluate.specialize.operations import Operations
 from s2sad.evaluate.specialize.signals import NOWHERE, Leave, OutsideError, Undecided, Unevaluated
 from s2sad.evaluate.specialize.values import (
-    Choice, Conflict, Data, FunctionValue, Iteration, MethodValue, Reference, SliceValue, OpaqueValue, TupleValue,
-    Value, constant, count, parts,
+    Choice, Conflict, Data, FunctionValue, Iteration, MethodValue, OpaqueValue, Reference, ResidualObject,
+    SliceValue, TupleValue, Value, constant, count, parts,
 )
 from s2sad.naming import Names, identifier
 from s2sad.program import Fact
@@ -124,7 +124,11 @@ class Evaluator(Operations):
         self.owning = False                                 # what is taken from outside now belongs to a bound object
         self.wanted: dict[AST, tuple[str, AST]] = {}        # what gets a name, that name and the statement
         self.called = self.label = ""                       # the function that is called; what a new object is for
-        self.in_lists: set[int] = set()                           # objects in lists of the residual program
+        self.in_lists: dict[int, set[Any]] = {}     # objects in lists of the residual program, with where such are made
+        self.object_sites: frozenset[int] = frozenset()         # where objects are made that are rows of tables
+        self.object_tables: dict[Any, Any] = {}                 # by their make
+        self.prefers_choices = False        # a slot with one of many objects holds a choice
+        self.unfilled: list[Any] = []       # of lists that were read before anything was put there (`ListedRecords`)
         self.unsure: set[str] = set()       # names of the residual program that may be read before they are bound
         self.limited: list[AST] = []                            # where deques with a length are made
         self.row_forms: dict[int, Any] = {}                     # by their site what is in such lists
@@ -164,8 +168,7 @@ class Evaluator(Operations):
         """The object, which is about to be changed."""
         held = self.heap[reference]
         if reference.number in self.in_lists:
-            raise self.refusal(node, "an object is changed that a list holds whose length only the run knows",
-                               help="change it before it is appended, or append a new one")
+            raise self.changed_in_list(reference.number, node)
         self.touched.add(reference.number)
         if not held.is_owned:
             raise self.outside_error(node, f"'{held.label}' is from outside, and is changed", "pass it as an argument")
@@ -220,6 +223,8 @@ class Evaluator(Operations):
         if isinstance(value, TupleValue):
             return replace(value, row=None, items=tuple(self.atoms(v, f"{wanted}_{k}", origin) for k, v in enumerate(
                 value.items)))
+        if isinstance(value, ResidualObject):
+            return replace(value, number=self.named(value.number, wanted, origin))
         if isinstance(value, (SliceValue, Iteration)):
             return replace(value, parts=tuple(self.atoms(v, wanted, origin) for v in value.parts))  # pyright: ignore
         if isinstance(value, MethodValue):
@@ -337,6 +342,8 @@ class Evaluator(Operations):
             return value
         if isinstance(value, TupleValue):
             return replace(value, row=None, items=tuple(self._held(v, rebound, origin) for v in value.items))
+        if isinstance(value, ResidualObject):
+            return replace(value, number=self._held(value.number, rebound, origin))
         if isinstance(value, (SliceValue, Iteration)):
             return replace(value, parts=tuple(self._held(v, rebound, origin) for v in value.parts))  # pyright: ignore
         if isinstance(value, MethodValue):

@@ -24,8 +24,8 @@ from s2sad.evaluate.specialize.sequences.known_shapes import of_method, origins
 from s2sad.evaluate.specialize.sequences.residual_lists import COUNTED
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    NONE, Choice, ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, ScopeValue, SuperValue,
-    TupleValue, Value, constant,
+    NONE, Choice, ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, ResidualObject, ScopeValue,
+    SuperValue, TupleValue, Value, constant,
 )
 from s2sad.live_objects.registry import GIVEN
 from s2sad.read.outside_values import library_value
@@ -134,7 +134,8 @@ def call(ev: Evaluator, function: Value, args: Sequence[Value], keywords: Mappin
         return ev.container_method(function.base, function.name, list(args), dict(keywords), node, f)
     if is_sparse(function, ev.heap):
         return ev.called_factors(function, list(args), dict(keywords), node)
-    if isinstance(function, Reference) and ev.heap[function].kind == "record":
+    if isinstance(function, ResidualObject) or isinstance(function, Reference) and (
+            ev.heap[function].kind == "record"):
         return call(ev, ev.attribute_of(function, "__call__", node, f), args, keywords, node, f)
     if isinstance(function, Data) and not function.is_known:
         return residual_call(ev, function.node, args, keywords, node)

@@ -15,7 +15,8 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
 from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, of_call, origins, shape
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    UNKNOWN, Data, LibraryValue, ObjectValue, OpaqueValue, Reference, TupleValue, Value, constant, demands_of,
+    UNKNOWN, Data, LibraryValue, ObjectValue, OpaqueValue, Reference, ResidualObject, TupleValue, Value, constant,
+    demands_of,
 )
 from s2sad.tree import AST
 
@@ -64,7 +65,7 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
     if is_sparse(left, ev.heap) or is_sparse(right, ev.heap):
         return ev.matrix_operator(op, left, right, node)
     for value in (left, right):
-        if isinstance(value, Reference) and ev.heap[value].kind == "record" or (
+        if isinstance(value, ResidualObject) or isinstance(value, Reference) and ev.heap[value].kind == "record" or (
                 isinstance(value, TupleValue) and value.made is not None):
             found = _overloaded(ev, OPERATORS[type(op)][1], left, right, node, f)
             if found is not None:

@@ -13,13 +13,15 @@ class Unevaluated(Exception):
     """Something must be known before the run that is not: rolled back and tried otherwise, else refused. `demands` are
     the facts about arguments that would make it known, `site` the list that would have to be one at run time, `choice`
     what the slot is called whose values would have to be chosen from; the first round of a loop may differ from the
-    others (`differs`); a recursion may have no end (`endless`)."""
+    others (`differs`); a recursion may have no end (`endless`); `objects` are the places of those that would have to be
+    rows of tables."""
 
     def __init__(self, error: S2sadError, demands: frozenset[Fact] = frozenset(), site: Any = None,
-                 differs: bool = False, choice: str = "", endless: bool = False):
+                 differs: bool = False, choice: str = "", endless: bool = False,
+                 objects: frozenset[int] = frozenset()):
         super().__init__(str(error))
         self.error, self.demands, self.site, self.differs, self.choice = error, demands, site, differs, choice
-        self.endless = endless
+        self.endless, self.objects = endless, objects
 
 
 class Undecided(Exception):

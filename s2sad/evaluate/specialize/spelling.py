@@ -6,8 +6,8 @@ from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.sparse.matrix_values import form_said, is_sparse
 from s2sad.evaluate.specialize.values import (
-    ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference, ScopeValue,
-    SliceValue, OpaqueValue, TupleValue, Value,
+    ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference, ResidualObject,
+    ScopeValue, SliceValue, OpaqueValue, TupleValue, Value,
 )
 from s2sad.tree import AST
 
@@ -74,6 +74,9 @@ def kind_of(ev: Evaluator, value: Value) -> str:
             return form_said(held)
         words = {"list": "a list", "dict": "a dict", "set": "a set", "frame": "a frame", "class": "a class"}
         return words.get(held.kind) or f"an object of class {held.made.name if held.made else '?'}"
+    if isinstance(value, ResidualObject):
+        made = value.table.made
+        return f"an object of class {made.name}" if made is not None else f"a {value.table.kind}"
     if isinstance(value, OpaqueValue):
         return value.what
     if isinstance(value, TupleValue) and value.made is not None:

@@ -10,7 +10,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, expression, operation
 from s2sad.evaluate.specialize.sequences.known_shapes import of_part, origins
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    NONE, Data, LibraryValue, MethodValue, Reference, SliceValue, TupleValue, Value, constant,
+    NONE, Data, LibraryValue, MethodValue, Reference, ResidualObject, SliceValue, TupleValue, Value, constant,
 )
 from s2sad.tree import AST
 
@@ -79,6 +79,10 @@ def item_of(ev: Evaluator, base: Value, place: Value, node: AST, f: Frame) -> Va
         return item if is_part else ev.listed_record(base, item, node)
     if is_sparse(base, ev.heap):
         ev.refuse_element(base, node)
+    if isinstance(base, ResidualObject) and base.table.kind != "record":
+        return ev.picked_residual(base, place, node)
+    if isinstance(base, ResidualObject):
+        return ev.call(ev.attribute_of(base, "__getitem__", node, f), [place], {}, node, f)
     if isinstance(base, Reference) and ev.heap[base].kind == "record":
         if ev.heap[base].made is None:      # it is spelled in a text, and goes by fields and by keys
             return ev.attribute_of(base, ev.known(place, node, "a key"), node, f)

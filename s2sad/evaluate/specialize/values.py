@@ -6,13 +6,14 @@
     FunctionValue(...)              a function of the user's with its frame, and what it was given
     LibraryValue(path)            something of numpy, math, ...
     ClassValue(...)               a class, live or defined in what is evaluated
+    ResidualObject(number, table)   an object of which only the run knows which one it is: a row of a table
     ObjectValue(value)            a Python object that is compared by identity: a member of an enumeration, a type
     SliceValue(parts)              a slice
     Iteration(kind, parts)        range, zip, enumerate, ...: what a loop goes through, as lazily as Python does
 """
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -93,6 +94,13 @@ class TupleValue:
 @dataclass(frozen=True)
 class Reference:
     number: int
+
+
+@dataclass(frozen=True)
+class ResidualObject:
+    """An object of which only the run knows which one it is: a row of an `ObjectTable`; identity is the number."""
+    number: Data
+    table: Any
 
 
 @dataclass(frozen=True)
@@ -201,8 +209,8 @@ class Conflict:
     choice: str = ""
 
 
-Value = (Data | TupleValue | Reference | FunctionValue | LibraryValue | Choice | MethodValue | ClassValue
-         | SuperValue | ObjectValue | ScopeValue | SliceValue | Iteration | OpaqueValue | Conflict)
+Value = (Data | TupleValue | Reference | ResidualObject | FunctionValue | LibraryValue | Choice | MethodValue
+         | ClassValue | SuperValue | ObjectValue | ScopeValue | SliceValue | Iteration | OpaqueValue | Conflict)
 
 
 def constant(value: Any) -> Data:
@@ -223,6 +231,8 @@ def alike(a: Value | None, b: Value | None) -> bool:
         return a.is_known and a.is_literal and b.is_literal
     if type(a) is not type(b):
         return False
+    if isinstance(a, ResidualObject) and isinstance(b, ResidualObject):
+        return a.table is b.table and alike(a.number, b.number)
     if isinstance(a, TupleValue) and isinstance(b, TupleValue):
         return a.made == b.made and len(a.items) == len(b.items) and all(map(alike, a.items, b.items))
     if isinstance(a, (Iteration, SliceValue)) and isinstance(b, (Iteration, SliceValue)):
@@ -244,6 +254,8 @@ def parts(value: Value) -> tuple[Value, ...]:
     """The values directly inside an immutable one."""
     if isinstance(value, TupleValue):
         return value.items
+    if isinstance(value, ResidualObject):
+        return (value.number,)
     if isinstance(value, (Iteration, SliceValue)):
         return value.parts
     if isinstance(value, (FunctionValue, LibraryValue)):
@@ -255,6 +267,12 @@ def parts(value: Value) -> tuple[Value, ...]:
     if isinstance(value, Choice):
         return (value.number, *value.values)
     return (value.instance,) if isinstance(value, SuperValue) else ()
+
+
+def with_parts(value: TupleValue | ResidualObject, items: Sequence[Any]) -> TupleValue | ResidualObject:
+    """The value with other values directly inside."""
+    return replace(value, number=items[0]) if isinstance(value, ResidualObject) else replace(
+        value, items=tuple(items))
 
 
 def count(value: Value, name: str) -> int:
@@ -272,8 +290,8 @@ def renamed(value: Value, names: Mapping[str, str]) -> Value:
         node = Name(names[value.name], value.node.ctx, None, None)
         node.__dict__.update({k: v for k, v in value.node.__dict__.items() if k.endswith(("lineno", "offset"))})
         return replace(value, node=node)
-    if isinstance(value, TupleValue):
-        return replace(value, items=tuple(renamed(v, names) for v in value.items))
+    if isinstance(value, (TupleValue, ResidualObject)):
+        return with_parts(value, [renamed(v, names) for v in parts(value)])
     if isinstance(value, (Iteration, SliceValue)):
         return replace(value, parts=tuple(renamed(v, names) for v in value.parts))  # pyright: ignore
     if isinstance(value, (FunctionValue, LibraryValue)):

@@ -12,7 +12,7 @@ from s2sad.evaluate.library import WRITTEN
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.values import (
-    ClassValue, Data, FunctionValue, LibraryValue, ObjectValue, Reference, TupleValue, Value,
+    ClassValue, Data, FunctionValue, LibraryValue, ObjectValue, Reference, ResidualObject, TupleValue, Value,
 )
 from s2sad.live_objects.code_text import is_generated
 from s2sad.live_objects.guards import ABSENT, reached, taken
@@ -34,6 +34,8 @@ def class_of(ev: Evaluator, value: Value) -> ClassValue | None:
     """The class of the user's that an object or a named tuple is of."""
     if isinstance(value, Reference):
         return ev.heap[value].made
+    if isinstance(value, ResidualObject):
+        return value.table.made
     return value.made if isinstance(value, TupleValue) else None
 
 
@@ -190,8 +192,8 @@ def is_instance(ev: Evaluator, value: Value, made: Value, node: AST) -> bool | N
             raise ev.unknown(node, "what an argument is must be known before the run", value)
         return answer
     kinds = {"list": "builtins.list", "dict": "builtins.dict", "set": "builtins.set"}
-    if isinstance(value, Reference):
-        return kinds.get(ev.heap[value].kind) == path
+    if isinstance(value, (Reference, ResidualObject)):
+        return kinds.get(value.table.kind if isinstance(value, ResidualObject) else ev.heap[value].kind) == path
     if isinstance(value, TupleValue):
         return path == "builtins.tuple"
     return path == "builtins.object"

@@ -11,7 +11,7 @@ from s2sad.evaluate.specialize.classes.enumerations import member_by_value
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
-from s2sad.evaluate.specialize.values import ClassValue, Reference, TupleValue, Value
+from s2sad.evaluate.specialize.values import ClassValue, Reference, ResidualObject, TupleValue, Value
 from s2sad.tree import AST
 
 
@@ -27,7 +27,7 @@ def constructed(ev: Evaluator, made: ClassValue, args: Sequence[Value], keywords
         reference = ev.heap.new(Object("record", {}, made, label=ev.label, site=node))
         for name, value in keywords.items():
             ev.assign_slot(reference, name, value, f"{ev.heap[reference].label}_{name}".lstrip("_"), node)
-        return reference
+        return ev.as_residual(reference, node)
     layout = ev.layout_of(made)
     if layout is not None and layout.kind == "named":
         return _named_tuple(ev, made, layout, args, keywords, node, f)
@@ -51,7 +51,7 @@ def constructed(ev: Evaluator, made: ClassValue, args: Sequence[Value], keywords
     items = dict(ev.heap[f.reference].items)
     items.pop(f".made{reference.number}", None)
     ev.heap.set_items(f.reference, items)
-    return reference
+    return ev.as_residual(reference, node)
 
 
 def _named_tuple(ev: Evaluator, made: ClassValue, layout: Layout, args: Sequence[Value], keywords: Mapping[str, Value],
@@ -71,7 +71,7 @@ def _named_tuple(ev: Evaluator, made: ClassValue, layout: Layout, args: Sequence
 @operation
 def compares_fields(ev: Evaluator, value: Value) -> bool:
     """Whether an object is of a dataclass whose `==` compares fields."""
-    layout = ev.layout_of(ev.class_of(value)) if isinstance(value, Reference) else None
+    layout = ev.layout_of(ev.class_of(value)) if isinstance(value, (Reference, ResidualObject)) else None
     return layout is not None and layout.is_equal
 
 

@@ -15,7 +15,8 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.heap import Heap, Object
 from s2sad.evaluate.specialize.values import (
-    Choice, Conflict, Data, FunctionValue, LibraryValue, Reference, TupleValue, Value, alike, constant,
+    Choice, Conflict, Data, FunctionValue, LibraryValue, Reference, ResidualObject, TupleValue, Value, alike, constant,
+    parts, with_parts,
 )
 from s2sad.tree import AST
 
@@ -35,6 +36,8 @@ def is_number(value: Value) -> bool:
 
 def structure(heap: Heap, objects: Objects, value: Value) -> Any:
     """The make of a structure that nothing else holds, None of what is one alternative by itself."""
+    if isinstance(value, ResidualObject):
+        return value.table
     if isinstance(value, TupleValue):
         return ("tuple", value.made, len(value.items))
     held = objects.get(value.number) if isinstance(value, Reference) else None
@@ -54,8 +57,8 @@ class Alternative:
 
 def maybe_unbound(value: Value, on_some: Callable[[str], bool] = lambda _: True) -> Value:
     """A value of which some ways do not bind some names."""
-    if isinstance(value, TupleValue):
-        return replace(value, items=tuple(maybe_unbound(v, on_some) for v in value.items))
+    if isinstance(value, (TupleValue, ResidualObject)):
+        return with_parts(value, [maybe_unbound(v, on_some) for v in parts(value)])
     if isinstance(value, Choice):
         return replace(value, number=maybe_unbound(value.number, on_some),
                        values=tuple(maybe_unbound(v, on_some) for v in value.values))

@@ -16,7 +16,8 @@ from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.signals import Undecided, Unevaluated
 from s2sad.evaluate.specialize.values import (
-    Choice, Data, Iteration, MethodValue, Reference, SliceValue, TupleValue, Value, alike,
+    Choice, Data, Iteration, MethodValue, Reference, ResidualObject, SliceValue, TupleValue, Value, alike, parts,
+    with_parts,
 )
 from s2sad.tree import AST
 
@@ -109,8 +110,8 @@ def bound_throughout(ev: Evaluator, value: Value) -> Value:
         return replace(value, may_be_unbound=False)
     if isinstance(value, Choice):
         return replace(value, number=bound_throughout(ev, value.number))
-    if isinstance(value, TupleValue):
-        return replace(value, items=tuple(bound_throughout(ev, v) for v in value.items))
+    if isinstance(value, (TupleValue, ResidualObject)):
+        return with_parts(value, [bound_throughout(ev, v) for v in parts(value)])
     if isinstance(value, Reference) and any(
             isinstance(v, Choice) or isinstance(v, Data) and v.may_be_unbound for v in ev.heap[value].items.values()):
         items = {k: bound_throughout(ev, v) if isinstance(v, (Choice, Data)) else v

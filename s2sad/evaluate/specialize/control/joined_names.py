@@ -14,7 +14,9 @@ from typing import Any
 from s2sad import tree
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object, uses
-from s2sad.evaluate.specialize.values import UNKNOWN, Data, Reference, TupleValue, Value, alike, count
+from s2sad.evaluate.specialize.values import (
+    UNKNOWN, Data, Reference, ResidualObject, TupleValue, Value, alike, count, parts, with_parts,
+)
 from s2sad.tree import AST
 
 Objects = dict[int, Object]
@@ -139,8 +141,8 @@ def same_things(objects: Objects, value: Value, others: Objects, other: Value, a
     """Whether two values of two heaps are the same, whatever is known of them, and what structures in them hold."""
     if not alike(plainly_named(value), plainly_named(other)):
         return False
-    if isinstance(value, TupleValue) and isinstance(other, TupleValue):
-        return all(same_things(objects, v, others, o, asked) for v, o in zip(value.items, other.items))
+    if isinstance(value, (TupleValue, ResidualObject)):
+        return all(same_things(objects, v, others, o, asked) for v, o in zip(parts(value), parts(other)))
     if not isinstance(value, Reference) or value.number in asked:
         return True
     held, there = objects.get(value.number), others.get(value.number)
@@ -150,6 +152,6 @@ def same_things(objects: Objects, value: Value, others: Objects, other: Value, a
 
 def plainly_named(value: Value) -> Value:
     """A value of which nothing is known but its names."""
-    if isinstance(value, TupleValue):
-        return replace(value, items=tuple(map(plainly_named, value.items)))
+    if isinstance(value, (TupleValue, ResidualObject)):
+        return with_parts(value, [*map(plainly_named, parts(value))])
     return replace(value, known=UNKNOWN) if isinstance(value, Data) and value.name else value

@@ -18,7 +18,7 @@ from s2sad import tree
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object
-from s2sad.evaluate.specialize.values import Data, Reference, TupleValue, Value
+from s2sad.evaluate.specialize.values import Data, Reference, ResidualObject, TupleValue, Value, parts
 from s2sad.tree import AST
 
 Objects = dict[int, Object]
@@ -62,8 +62,8 @@ def forget_own_names(ev: Evaluator, head: Objects, ends: Sequence[Objects], orig
 def _leaf_names(objects: Objects, value: Value) -> Iterator[str]:
     if isinstance(value, Data):
         yield value.name
-    elif isinstance(value, TupleValue):
-        for v in value.items:
+    elif isinstance(value, (TupleValue, ResidualObject)):
+        for v in parts(value):
             yield from _leaf_names(objects, v)
     elif isinstance(value, Reference) and value.number in objects:
         for v in objects[value.number].items.values():
@@ -92,24 +92,60 @@ def frames_around(ev: Evaluator, f: Frame) -> dict[int, Frame]:
 
 
 def read_outside(ev: Evaluator, n: int, names: Iterable[Any], origin: AST, f: Frame) -> set[Any]:
-    """The names of a frame that its text reads outside of the loop; all of them where the text is not at hand."""
+    """The names of a frame that its text reads outside of the loop, behind where the loops around it begin; all of them
+    where the text is not at hand."""
     frame = frames_around(ev, f).get(n) or ev.frames.get(n)
     if frame is None:
         return set(names)
     inside = {id(origin), *(id(loop[2]) for loop in ev.loops if isinstance(loop, tuple) and len(loop) > 2)}
     inside |= {id(node) for (node, _), text in ev.loops_of.items() if id(text) in inside}
     found: set[Any] = {k for k in names if not isinstance(k, str)}
-    work: list[tuple[AST, frozenset[str]]] = [(frame.captured.tree, frozenset())]
+    begin = _begin(frame.captured.tree, inside)
+    work: list[tuple[AST, frozenset[str], tuple[int, int]]] = [(frame.captured.tree, frozenset(), begin)]
     while work:
-        node, bound = work.pop()
+        node, bound, begin = work.pop()
         if id(node) in inside:
             continue
-        if isinstance(node, tree.Name) and isinstance(node.ctx, tree.Load) and node.id not in bound:
+        if isinstance(node, tree.Name) and isinstance(node.ctx, tree.Load) and node.id not in bound and (
+                _place(node) >= begin):
             found.add(node.id)
-        if isinstance(node, tree.For) and not any(id(n) in inside for n in tree.walk(node)):
-            own = bound.union(tree.stored_names(node.target))       # another loop has bound them itself
-            work += [(n, bound) for n in (node.iter, *node.orelse)]
-            work += [(n, own) for n in node.body]
-            continue
-        work += [(n, bound) for n in tree.children(node)]
+        kind = type(node).__name__
+        begin = (0, 0) if kind in ("Lambda", "GeneratorExp") or kind == "FunctionDef" and (
+            node is not frame.captured.tree) else begin      # which may be called behind
+        work += [(part, own, begin) for part, own in _parts_with_bound(node, bound, inside)]
     return found
+
+
+def _parts_with_bound(node: Any, bound: frozenset[str], inside: set[int]) -> Iterator[tuple[AST, frozenset[str]]]:
+    """The parts of a node, with the names that it has bound itself where they are read."""
+    others: list[AST] = []
+    own = bound
+    if isinstance(node, tree.For) and not any(id(n) in inside for n in tree.walk(node)):
+        own, others = bound.union(tree.stored_names(node.target)), [node.iter, *node.orelse]
+    elif generators := getattr(node, "generators", ()):
+        own, others = bound.union(*(tree.stored_names(g.target) for g in generators)), [generators[0].iter]
+    elif type(node).__name__ == "Lambda":
+        own = bound.union(n.id for n in tree.walk(node.args) if isinstance(n, tree.Name))
+        others = [n for n in (*node.args.defaults, *node.args.kw_defaults) if n is not None]
+    outer = set(map(id, others))
+    left = list(tree.children(node))
+    while left:
+        part = left.pop()
+        if id(part) not in outer and type(part).__name__ in ("comprehension", "arguments"):
+            left += tree.children(part)
+        else:
+            yield part, bound if id(part) in outer else own
+
+
+def _begin(text: AST, inside: set[int]) -> tuple[int, int]:
+    """Where the outermost loop of a text begins that a node is in."""
+    node: AST | None = text
+    while node is not None:
+        if id(node) in inside or type(node).__name__ in ("For", "While") or getattr(node, "generators", ()):
+            return _place(node)
+        node = next((c for c in tree.children(node) if any(id(n) in inside for n in tree.walk(c))), None)
+    return 0, 0
+
+
+def _place(node: Any) -> tuple[int, int]:
+    return getattr(node, "lineno", None) or 0, getattr(node, "col_offset", None) or 0

@@ -18,7 +18,9 @@ from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object, uses
 from s2sad.evaluate.specialize.sequences.known_shapes import shape as known_shape
 from s2sad.evaluate.specialize.sequences.listed_records import hold_alike
-from s2sad.evaluate.specialize.values import Choice, Data, Reference, TupleValue, Value, alike
+from s2sad.evaluate.specialize.values import (
+    Choice, Data, Reference, ResidualObject, TupleValue, Value, alike, parts, with_parts,
+)
 from s2sad.tree import AST, names
 
 Objects = Mapping[int, Object]
@@ -62,13 +64,15 @@ def size(home: Any) -> int:
 
 
 def _parts(objects: Objects, value: Value) -> list[tuple[Any, Value]] | None:
-    if isinstance(value, TupleValue):
-        return list(enumerate(value.items))
+    if isinstance(value, (TupleValue, ResidualObject)):
+        return list(enumerate(parts(value)))
     return list(objects[value.number].items.items()) if isinstance(value, Reference) else None
 
 
 def _make(ev: Evaluator, objects: Objects, value: Value) -> Any:
     """What a structure that nothing else holds is made as, and of which items; None of what is no such structure."""
+    if isinstance(value, ResidualObject):
+        return value.table
     if isinstance(value, TupleValue):
         return "tuple", value.made, len(value.items)
     held = objects.get(value.number) if isinstance(value, Reference) else None
@@ -145,8 +149,8 @@ def placed(ev: Evaluator, objects: Objects, value: Value, home: Any, origin: AST
             value, Data) else Data(node)
     inner = _parts(objects, value) or []
     items = {k: placed(ev, objects, v, home[k], origin, into) for k, v in inner}
-    if isinstance(value, TupleValue):
-        return replace(value, items=tuple(items.values()))
+    if isinstance(value, (TupleValue, ResidualObject)):
+        return with_parts(value, [*items.values()])
     assert isinstance(value, Reference)
     made = ev.heap.new(replace(objects[value.number], items=items))
     into[made.number] = ev.heap.objects.pop(made.number) if into is not ev.heap.objects else ev.heap[made]

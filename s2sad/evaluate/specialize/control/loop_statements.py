@@ -8,7 +8,7 @@ from typing import Any
 
 from s2sad import tree
 from s2sad.evaluate.specialize.sequences.constant_tables import lists_in
-from s2sad.evaluate.specialize.sequences.counted_sequence import counted_sequence, refuse_changes
+from s2sad.evaluate.specialize.sequences.counted_sequence import PartChanges, counted_sequence, refuse_changes
 from s2sad.evaluate.specialize.sequences.cursors import Known
 from s2sad.evaluate.specialize.sequences.generators import is_lazy
 from s2sad.evaluate.specialize.sequences.nested_ranges import NESTED
@@ -20,7 +20,9 @@ from s2sad.evaluate.specialize.control.first_iteration import peeled, split_iter
 from s2sad.evaluate.specialize.control.loop_closed_names import read_outside
 from s2sad.evaluate.specialize.control.residual_loops import ResidualLoop
 from s2sad.evaluate.specialize.separate.needed_numbers import needed_numbers
-from s2sad.evaluate.specialize.values import NONE, Data, Iteration, Reference, TupleValue, Value, alike, constant
+from s2sad.evaluate.specialize.values import (
+    NONE, Data, Iteration, Reference, ResidualObject, TupleValue, Value, alike, constant,
+)
 from s2sad.tree import AST
 
 
@@ -103,13 +105,13 @@ def for_statement(ev: Evaluator, s: Any, f: Frame) -> None:
         split = split_iteration(ev, held(whole), s.iter)
         if split is None:
             raise ev.unknown(s, "the first round of a loop differs from the others")
-        ev.heap.put(f.reference, slot, TupleValue((split.first, split.rest)))
-        peeled(ev, s, f, split, lambda: rolled(ev, s, lambda: for_stays(ev, s, split.rest, f)), bind)
+        ev.heap.put(f.reference, slot, split.rest)
+        peeled(ev, s, f, split, lambda: rolled(ev, s, lambda: for_stays(ev, s, split.rest, f, held)), bind)
 
     def stays() -> None:
         lists = lists_in(ev, whole)
         start = len(ev.block)
-        loop = for_stays(ev, s, through if _is_range(through) else held(through), f)
+        loop = for_stays(ev, s, through if _is_range(through) else held(through), f, held)
         if short is not None and _needs_numbers(loop, ev.block[start:]):
             raise ev.unknown(s.iter, "the numbers that a loop goes through must be known in it")
         if any(len(before) != len(ev.heap.objects[n].items) or not all(
@@ -186,8 +188,18 @@ def _is_range(through: Value) -> bool:
         through.kind == "range" or through.kind == "reversed" and _is_range(through.parts[0]))
 
 
-def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> ResidualLoop:
-    """A loop over numbers and arrays that stays one, and counts."""
+def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame, held: Callable[[Value], Value]) -> ResidualLoop:
+    """A loop over numbers and arrays that stays one, and counts; what it goes through is `held`. One that changes a
+    list of which it goes through a part goes through a copy."""
+    before = ev.snapshot()
+    try:
+        return _counting_loop(ev, s, through, f)
+    except PartChanges:
+        ev.restore(before)
+        return _counting_loop(ev, s, held(ev.copied_parts(through, s.iter)), f)
+
+
+def _counting_loop(ev: Evaluator, s: Any, through: Value, f: Frame) -> ResidualLoop:
     if s.orelse:
         raise ev.unknown(s, "else of a loop that stays one is not supported in a kernel")
     names = [n.id for n in tree.walk(s.target) if isinstance(n, tree.Name)]
@@ -195,7 +207,10 @@ def for_stays(ev: Evaluator, s: Any, through: Value, f: Frame) -> ResidualLoop:
         raise ev.unknown(s.target, "a loop over items of a structure")
     sequence = counted_sequence(ev, through, s.iter)
     before = ev.snapshot()
-    item = sequence.item(tree.name(""))
+    try:
+        item = sequence.item(tree.name(""))
+    except Leave:       # nothing was put there yet
+        item = Data(tree.index(tree.name(""), tree.const(0)))
     counting, structures = _counting_name(s.target, item), _structures(s.target, item)
     ev.restore(before)
     own = _own_targets(ev, names, structures, s, f)
@@ -226,12 +241,14 @@ def _own_targets(ev: Evaluator, names: Sequence[str], structures: Set[str], s: A
     held = ev.heap[f.reference].items
     there = {n: held[n] for n in names if n in held}
     read = read_outside(ev, f.reference.number, there, s, f) if there else set()
-    gone = {n for n, v in there.items() if n not in read and (n in structures or not isinstance(v, Data))}
+    gone = {n for n, v in there.items() if n not in read and (
+        n in structures or not isinstance(v, (Data, ResidualObject)))}
     there = {n: v for n, v in there.items() if n not in gone}
     if gone:
         ev.heap.set_items(f.reference, {k: v for k, v in held.items() if k not in gone})
     found: dict[str, str] = {}
-    for n, value in there.items():
+    for n, whole in there.items():
+        value = whole.number if isinstance(whole, ResidualObject) else whole
         found[n] = value.name if isinstance(value, Data) and ev.owns(value.name) else ev.fresh(n)
         kept = isinstance(value, Data) and not (value.is_known and value.known is None)
         if n in read and not kept and not isinstance(value, Data):
@@ -239,7 +256,8 @@ def _own_targets(ev: Evaluator, names: Sequence[str], structures: Set[str], s: A
                              help="give what the loop binds another name")
         if n in read and isinstance(value, Data) and kept and value.name != found[n]:
             ev.emit(tree.assign(found[n], ev.spelled(value, s)), s)
-        ev.heap.put(f.reference, n, Data(tree.at(tree.name(found[n]), s.target)))
+        name = Data(tree.at(tree.name(found[n]), s.target))
+        ev.heap.put(f.reference, n, replace(whole, number=name) if isinstance(whole, ResidualObject) else name)
     ev.rebound += found.values()
     return found
 
@@ -254,14 +272,17 @@ def _counting_name(target: Any, item: Value) -> str:
 def _structures(target: Any, item: Value) -> set[str]:
     """The names of a target that get structures."""
     if isinstance(target, tree.Name):
-        return set() if isinstance(item, Data) else {target.id}
+        return set() if isinstance(item, (Data, ResidualObject)) else {target.id}
     inner = zip(target.elts, item.items) if isinstance(item, TupleValue) else ()
     return {n for t, i in inner for n in _structures(t, i)}
 
 
 def _bind_items(ev: Evaluator, target: Any, item: Value, own: Mapping[str, str], f: Frame) -> None:
     """The names of a loop's target get the items of a round, each under one name in all of them."""
-    if isinstance(target, tree.Name) and isinstance(item, Data):
+    if isinstance(target, tree.Name) and isinstance(item, ResidualObject):
+        _bind_items(ev, target, item.number, own, f)
+        ev.heap.put(f.reference, target.id, replace(item, number=ev.heap[f.reference].items[target.id]))
+    elif isinstance(target, tree.Name) and isinstance(item, Data):
         if item.name != own[target.id]:
             ev.emit(tree.assign(own[target.id], item.node), target)
         ev.heap.put(f.reference, target.id, replace(item, node=tree.at(tree.name(own[target.id]), target)))

@@ -24,7 +24,8 @@ from s2sad.evaluate.specialize.control.loop_homes import (
 )
 from s2sad.evaluate.specialize.control.state_joins import Join
 from s2sad.evaluate.specialize.values import (
-    NONE, Conflict, Data, FunctionValue, Reference, TupleValue, Value, alike, constant, count, parts, renamed,
+    NONE, Conflict, Data, FunctionValue, Reference, ResidualObject, TupleValue, Value, alike, constant, count, parts,
+    renamed,
 )
 from s2sad.tree import AST
 
@@ -38,7 +39,7 @@ class ResidualLoop:
     start: Objects
     is_endless: bool = False        # jumps alone leave it
     homes: Homes = field(default_factory=dict)
-    listed: set[tuple[int, Any]] = field(default_factory=set)       # those whose objects a residual list holds
+    listed: dict[tuple[int, Any], set[Any]] = field(default_factory=dict)   # those whose objects a residual list holds
     exits: list[tuple[AST, list[AST], Objects]] = field(default_factory=list)   # a jump, its block, its heap
     place: int = 0                  # on the stack of pending work
     goals: list[int] = field(default_factory=list)          # marks outside that it is left for
@@ -91,7 +92,7 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
         loop.exits.clear()
         ev.loops.append(loop)
         ev.pending.append(None)
-        falls = True
+        falls, read = True, len(ev.unfilled)
         ev.guarded, ev.residual = (*guarded, frozenset()), (*around, origin)
         try:
             make = once()
@@ -114,7 +115,8 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
         forget_own_names(ev, head, ends, origin, f)
         names, ev.names = ev.names, before.names.copy()
         ev.names.taken |= loop.home_names()
-        if not _settle(ev, loop, head, ends, origin) and not close_names(ev, loop, head, ends, origin, f):
+        again = _are_filled(ev, read)
+        if not _settle(ev, loop, head, ends, origin) and not close_names(ev, loop, head, ends, origin, f) and not again:
             ev.names = names
             break
         ev.block = outer
@@ -137,7 +139,7 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
     after = {**head, **{n: o for n, o in last.items() if n not in head}}
     for (n, key), home in loop.homes.items():
         old = loop.start[n].items.get(key, NONE)
-        value = ev.as_listed(placed(ev, loop.start, old, home, origin, after), after, (n, key) in loop.listed)
+        value = ev.as_listed(placed(ev, loop.start, old, home, origin, after), after, loop.listed.get((n, key)))
         after[n] = _with(after[n], key, _known_on_exits(value, [o[n].items[key] for _, _, o in loop.exits])
                          if loop.is_endless else value)
     ev.heap.objects = {**after, **late.found}
@@ -146,6 +148,13 @@ def residual_loop(ev: Evaluator, origin: AST, once: Callable[[], Callable[[list[
             ev.heap.put(Reference(n), key, value)
     _bound_inside(ev, ends)
     _go_on(ev, loop, late.left, origin)
+
+
+def _are_filled(ev: Evaluator, first: int) -> bool:
+    """Whether something was put into lists that a round has read before."""
+    filled = [r for r in ev.unfilled[first:] if r.known.form is not None]
+    ev.unfilled[first:] = [r for r in ev.unfilled[first:] if r.known.form is None]
+    return bool(filled)
 
 
 def _extend(ev: Evaluator, loop: ResidualLoop, missing: Unbound | NewGoal) -> None:
@@ -214,7 +223,8 @@ def _with(held: Object, key: Any, value: Value) -> Object:
 
 def _stays(value: Value) -> bool:
     """Whether what a round binds is there behind the loop: numbers and arrays, also in tuples, plain functions."""
-    return isinstance(value, (Data, TupleValue)) or isinstance(value, FunctionValue) and not parts(value)
+    plain = isinstance(value, FunctionValue) and not parts(value)
+    return plain or isinstance(value, (Data, TupleValue, ResidualObject))
 
 
 def _bound_inside(ev: Evaluator, ends: Sequence[Objects]) -> None:
@@ -267,7 +277,7 @@ def _at_home(ev: Evaluator, loop: ResidualLoop, prelude: list[AST], origin: AST)
             raise ev.refusal(origin, f"'{key}' is bound on some ways only before this loop", help="bind it on all")
         moves += moved(ev, loop.start, old, home, origin)
         value = placed(ev, loop.start, old, home, origin, ev.heap.objects)
-        ev.heap.put(Reference(n), key, ev.as_listed(value, ev.heap.objects, (n, key) in loop.listed))
+        ev.heap.put(Reference(n), key, ev.as_listed(value, ev.heap.objects, loop.listed.get((n, key))))
     prelude += at_once(ev, moves, origin)
 
 
@@ -321,8 +331,8 @@ def _settle(ev: Evaluator, loop: ResidualLoop, head: Objects, ends: Sequence[Obj
                 new = end[n].items[key]
                 if alike(old, new) or isinstance(old, Conflict):
                     continue
-                if ev.is_listed(new) and (n, key) not in loop.listed:
-                    loop.listed.add((n, key))
+                if (sites := ev.listed_sites(new)) is not None and (n, key) not in loop.listed:
+                    loop.listed[n, key] = sites
                     found = True
                 had = loop.homes.get((n, key))
                 loop.homes[n, key] = _home(ev, loop, head, (n, key), (end, new), origin)

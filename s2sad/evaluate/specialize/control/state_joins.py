@@ -18,7 +18,8 @@ from s2sad.evaluate.specialize.evaluator import Evaluator
 from s2sad.evaluate.specialize.heap import Object, Temporary, uses
 from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.values import (
-    UNKNOWN, Choice, Conflict, Data, Reference, SliceValue, TupleValue, Value, alike, parts, renamed,
+    UNKNOWN, Choice, Conflict, Data, Reference, ResidualObject, SliceValue, TupleValue, Value, alike, parts, renamed,
+    with_parts,
 )
 from s2sad.evaluate.specialize.control.choice_joins import (
     Alternative, alternatives, are_functions, chosen_value, decided_again, is_chosen, maybe_unbound,
@@ -29,6 +30,9 @@ from s2sad.evaluate.specialize.control.joined_names import Merged, Objects, Way,
 from s2sad.evaluate.specialize.sparse.matrix_values import KINDS
 from s2sad.program import Fact
 from s2sad.tree import AST
+
+MOST_OBJECTS = 4        # of which a slot holds one, before they are rows of a table
+
 
 class Join:
     """Several ways become one; `block` of each gets the moves to common names."""
@@ -135,14 +139,14 @@ class Join:
         if inner[0] is not None and all(i is not None and i[0] == inner[0][0] for i in inner):
             items = {k: self.bound_on([(w, i[1][k]) for (w, _), i in zip(there, inner) if i], f"{wanted}_{k}", tests)
                      for k in inner[0][1]}
-            if isinstance(one, TupleValue):
-                return replace(one, items=tuple(items.values()))
+            if isinstance(one, (TupleValue, ResidualObject)):
+                return with_parts(one, [*items.values()])
             assert isinstance(one, Reference)
-            listed = any(self.ev.is_listed(v) for _, v in there)
+            listed = [sites for _, v in there if (sites := self.ev.listed_sites(v)) is not None]
             if listed or all(self.ev.heap.holders(v, w.objects) == 1 for w, v in there if isinstance(v, Reference)):
                 made = self.ev.heap.new(replace(there[0][0].objects[one.number], items=items, label=wanted))
                 self.found[made.number] = self.ev.heap.objects.pop(made.number)
-                self.ev.in_lists |= {made.number} if listed else set()
+                self.ev.in_lists |= {made.number: set().union(*listed)} if listed else {}
                 return made
         data = [(w, v) for w, v in there if isinstance(v, Data)]
         if len(data) < len(there) or any(v.is_known and not isinstance(v.known, (int, float)) for _, v in data):
@@ -169,7 +173,7 @@ class Join:
         if isinstance(value, Reference):
             return all(value.number in w.objects and same_things(
                 self.ways[0].objects, value, w.objects, value) for w in self.ways)
-        return isinstance(value, TupleValue) and all(map(self._is_on_all, value.items))
+        return isinstance(value, (TupleValue, ResidualObject)) and all(map(self._is_on_all, parts(value)))
 
     def _one_name(self, data: Sequence[tuple[Way, Data]], wanted: str, tests: Sequence[AST | None] = ()
                   ) -> Data | Conflict:
@@ -225,6 +229,10 @@ class Join:
             if len({(len(t.items), t.made) for t in tuples}) == 1:
                 return replace(tuples[0], items=tuple(
                     self.meet([t.items[k] for t in tuples], f"{wanted}_{k}") for k in range(len(tuples[0].items))))
+        if isinstance(values[0], ResidualObject) and all(
+                isinstance(v, ResidualObject) and v.table is values[0].table for v in values):
+            numbers = [v.number for v in values if isinstance(v, ResidualObject)]
+            return with_parts(values[0], [self.meet(numbers, wanted)])
         if all(isinstance(v, SliceValue) for v in values):
             slices: Any = values
             return SliceValue(tuple(self.meet([s.parts[k] for s in slices], wanted) for k in range(3)))
@@ -234,6 +242,8 @@ class Join:
 
     def _choice(self, there: Sequence[tuple[Way, Value]], wanted: str) -> Value:
         """One of the values of some ways, with a number that tells which."""
+        self._ask_for_rows(there, wanted)
+
         def merged(one: Alternative) -> Value:
             first = one.held[0][2]
             if all(alike(first, v) for _, _, v in one.held):
@@ -246,6 +256,16 @@ class Join:
                 return self.meet(numbers, f"{wanted}_which")
             return self.bound_on([(w, n) for (w, _), n in zip(there, numbers)], f"{wanted}_which")
         return chosen_value(self.ev.heap, [(w.objects, v) for w, v in there], self.origin, merged, number)
+
+    def _ask_for_rows(self, there: Sequence[tuple[Way, Value]], wanted: str) -> None:
+        """Asks for the objects of a class as rows of a table, where there are many."""
+        several = {one.number: w.objects.get(one.number) for w, v in there for one in (
+            v.values if isinstance(v, Choice) else (v,)) if isinstance(one, Reference)}
+        if len(several) > MOST_OBJECTS and not self.ev.prefers_choices:
+            made = {None if held is None or held.kind != "record" else held.site for held in several.values()}
+            if None not in made:
+                raise self.ev.rows_wanted(made, self.ev.refusal(
+                    self.origin, f"'{wanted}' is one of many objects", help="keep them in arrays"))
 
     def _data(self, values: Sequence[Data], wanted: str) -> Value:
         if any(v.is_known and (v.known is None or isinstance(v.known, str)) and v.is_literal for v in values):
@@ -267,8 +287,8 @@ class Join:
             return self.made[key]
         held = [w.objects.get(v.number) for w, v in zip(self.ways, values)]
         objects = [h for h in held if h is not None]
-        listed = all(map(self.ev.is_listed, values))        # which nothing changes: a copy is as good
-        alone = listed or all(
+        listed = [sites for v in values if (sites := self.ev.listed_sites(v)) is not None]
+        alone = len(listed) == len(values) or all(      # nothing changes what is listed: a copy is as good
             self.ev.heap.holders(v, w.objects) <= 1 for w, v in zip(self.ways, values))     # none of a result's
         one = objects[0]
         alike_made = len(objects) == len(values) and all(
@@ -278,7 +298,7 @@ class Join:
         if one.kind in KINDS and not all(alike(one.items["shape"], h.items["shape"]) for h in objects):
             return Conflict(f"'{wanted}' is a sparse matrix of one shape on one way and of another on another")
         made = self.made[key] = self.ev.heap.new(replace(one, items={}, label=wanted))
-        self.ev.in_lists |= {made.number} if any(map(self.ev.is_listed, values)) else set()
+        self.ev.in_lists |= {made.number: set().union(*listed)} if listed else {}
         del self.ev.heap.objects[made.number]
         items = {k: self.meet([h.items[k] for h in objects], f"{wanted}_{k}") for k in one.items}
         self.found[made.number] = replace(one, items=items, label=wanted)
@@ -294,6 +314,8 @@ def _is_parted(held: Sequence[Object]) -> bool:
 
 def _inner(objects: Objects, value: Value) -> tuple[Any, dict[Any, Value]] | None:
     """The make and the items of a structure that nothing else is likely to hold."""
+    if isinstance(value, ResidualObject):
+        return value.table, {0: value.number}
     if isinstance(value, TupleValue):
         return (("tuple", value.made, len(value.items)), dict(enumerate(value.items)))
     held = objects.get(value.number) if isinstance(value, Reference) else None

@@ -16,7 +16,9 @@ from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.functions.library_calls import Args, Options, function
 from s2sad.evaluate.specialize.signals import Unevaluated
-from s2sad.evaluate.specialize.values import NONE, Choice, Data, Reference, TupleValue, Value, constant
+from s2sad.evaluate.specialize.values import (
+    NONE, Choice, Data, Reference, ResidualObject, TupleValue, Value, constant, with_parts,
+)
 from s2sad.tree import AST
 
 _MOST_ALTERNATIVES = 16     # things of which a variable picks one: what reads it is evaluated for each
@@ -123,6 +125,10 @@ def _picked(ev: Evaluator, items: Sequence[Value], place: Data, node: AST, f: Fr
         return Data(tree.at(tree.index(row.node, ev.spelled(place, node)), node), shape=())
     if len(items) <= most and all(isinstance(i, Data) and not i.is_known and not i.is_list for i in items):
         return _one_array(ev, [ev.atoms(i, "item", node) for i in items], ev.named(place, "place", node), node, f)
+    if isinstance(items[0], ResidualObject) and all(
+            isinstance(i, ResidualObject) and i.table is items[0].table for i in items):
+        numbers = [i.number for i in items if isinstance(i, ResidualObject)]
+        return with_parts(items[0], [_picked(ev, numbers, place, node, f, most)])
     shapes = {(i.made, len(i.items)) for i in items if isinstance(i, TupleValue)}
     if len(shapes) == 1 and all(isinstance(i, TupleValue) for i in items):
         columns: Any = list(zip(*(i.items for i in items)))  # pyright: ignore[reportAttributeAccessIssue]
@@ -131,7 +137,8 @@ def _picked(ev: Evaluator, items: Sequence[Value], place: Data, node: AST, f: Fr
     refused = ev.refusal(node, "what a list is sorted by must be known before the run",
                          help="sort an array of numbers, or its places: np.argsort(...)")
     if len(items) > most:
-        raise refused
+        sites = {ev.heap[i].site if isinstance(i, Reference) else None for i in items}
+        raise ev.rows_wanted(sites, refused)
     if not ev.choices:
         raise Unevaluated(refused, choice="sorted items")
     held = tuple(ev.atoms(i, "item", node) for i in items)
@@ -166,7 +173,8 @@ def _order_of_list(ev: Evaluator, items: Data, options: Options, back: bool, wan
     """The places of the items of a list of the residual program in their order, or the `first` of these."""
     keys = items if _has_no_key(options) else ev.called_here(
         lists.keys_of, [items, options["key"]], {}, node, f)
-    width = None if keys.rows is None or keys.rows.form else keys.rows.width
+    known = None if keys.rows is None else keys.rows.known
+    width = None if known is None or known.form else 0 if known.form is None else known.width
     if width is None:
         raise ev.unknown(node, "what a list is sorted by must be known before the run, or be a number for each item")
     kind, more = ("numbers", []) if not width else ("rows", [constant(width)])
@@ -178,7 +186,7 @@ def _extreme(ev: Evaluator, args: Args, options: Options, node: AST, f: Frame) -
     name = ev.called
     one = args[0] if len(args) == 1 else None
     if isinstance(one, Data) and one.is_list and "default" not in options and (
-            not _has_no_key(options) or one.rows is not None and one.rows.width):
+            not _has_no_key(options) or one.rows is not None and one.rows.known.width):
         place = _order_of_list(ev, one, options, name == "max", "first", node, f)
         return ev.item_of(one, ev.named(place, "place", node), node, f)
     if "key" in options:

@@ -18,8 +18,8 @@ from s2sad.evaluate.specialize.sequences.generators import is_lazy
 from s2sad.evaluate.specialize.sequences.nested_ranges import COMBINED, rows_of
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    Conflict, Data, FunctionValue, Iteration, LibraryValue, Reference, ScopeValue, SliceValue, TupleValue, Value,
-    constant,
+    Conflict, Data, FunctionValue, Iteration, LibraryValue, Reference, ResidualObject, ScopeValue, SliceValue,
+    TupleValue, Value, constant,
 )
 from s2sad.read.outside_values import LibraryScope
 from s2sad.tree import AST
@@ -264,12 +264,16 @@ def copied(ev: Evaluator, value: Value, deep: bool, node: AST, made: dict[Refere
         if held.live is not None or own:
             raise ev.refusal(node, f"a copy of {ev.kind_of(value)} from outside, or with {', '.join(own) or 'a class'}",
                              help="make another object of what it holds")
-        new = ev.heap.new(replace(held, items={}, path=""))
+        new = ev.heap.new(replace(held, items={}, path="", site=node if held.kind == "record" else held.site))
         made[value] = new
         for k, v in held.items.items():
             inner = copied(ev, v, deep, node, made) if deep else v
             ev.assign_slot(new, k, inner, str(k), node)
-        return new
+        return ev.as_residual(new, node)
+    if isinstance(value, ResidualObject):
+        held = {k: ev.residual_item(value, k, node) for k in value.table.columns}
+        return ev.copied_residual(value, {k: copied(ev, v, deep, node, made) if deep else v for k, v in held.items()},
+                                  node)
     if isinstance(value, TupleValue):
         return replace(value, items=tuple(copied(ev, v, deep, node, made) for v in value.items)) if deep else value
     if isinstance(value, Data) and not value.is_known and value.shape != ():

@@ -9,6 +9,7 @@ from typing import Any
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
     FACTORY, NONE, ClassValue, Data, Iteration, MethodValue, OpaqueValue, Reference, TupleValue, Value, constant,
@@ -92,7 +93,12 @@ def _at_the_left(ev: Evaluator, base: Reference, args: list[Value], _: Any, node
 
 @method(LIST, "extend")
 def _extend(ev: Evaluator, base: Reference, args: list[Value], _: Any, node: AST, f: Frame) -> Value:
-    replace_items(ev, base, [*ev.sequence_items(base), *ev.items_of(args[0], node, f)], node)
+    try:
+        more = ev.items_of(args[0], node, f)
+    except Unevaluated as reason:
+        reason.site = reason.site or ev.heap[base].site
+        raise
+    replace_items(ev, base, [*ev.sequence_items(base), *more], node)
     return NONE
 
 

@@ -133,6 +133,7 @@ def _repeated(ev: Evaluator, sequence: Reference, times: Data, node: AST) -> Val
     made = ev.named(Data(tree.at(empty, node), is_list=True, demands=times.demands,
                          rows=None if item.known is None else ev.listed_records(node)), wanted, node)
     if item.known is not None:
+        ev.as_row(made.rows, item, node)
         append = tree.Call(tree.attribute(made.node, "append"), [ev.spelled(item, node)], [])
         ev.emit(tree.counted_for(ev.fresh("each"), [tree.copy(count)], [tree.Expr(append)]), node)
     return made
@@ -148,6 +149,9 @@ def container_operator(ev: Evaluator, op: AST, left: Value, right: Value, node: 
         return TupleValue((*left.items, *right.items))  # pyright: ignore
     if isinstance(op, tree.Add) and kinds == ["list", "list"]:
         return ev.list_of([*sequence_items(ev, left), *sequence_items(ev, right)], node)
+    if isinstance(op, tree.Add) and all(isinstance(v, Data) and v.is_list for v in (left, right)) and any(
+            v.rows is not None and v.rows.known.form for v in (left, right)):  # pyright: ignore
+        return ev.joined_lists((left, right), node, f)
     if isinstance(op, tree.Add) and "list" in kinds and any(isinstance(v, Data) and v.is_list for v in (left, right)):
         residual = [v for v in (left, right) if isinstance(v, Data)]
         if not any(v.demands for v in residual):        # no facts would tell

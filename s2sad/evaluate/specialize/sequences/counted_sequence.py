@@ -17,7 +17,6 @@ from s2sad.evaluate.specialize.values import Data, Iteration, MethodValue, Tuple
 from s2sad.liveness import base_name, targets
 from s2sad.tree import AST
 
-HELP = "allocate an array before and fill it in a for loop"
 Item = Callable[[AST], Value]           # of the count
 
 
@@ -125,19 +124,24 @@ def _place(bound: AST | None, listed: AST, missing: AST, backwards: bool) -> AST
         behind if known < 0 else before)
 
 
+class PartChanges(Exception):
+    """A loop goes through a part of a residual list, which it changes: Python goes through a copy."""
+
+
 def refuse_changes(ev: Evaluator, value: Value, body: Sequence[AST], node: AST) -> None:
-    """Refuses a loop that appends to a residual list that it goes through, or changes one of which it does so in part:
-    Python goes on through what is appended, and through a copy of a part."""
-    for part in value.parts if isinstance(value, Iteration) else ():
+    """Refuses a loop that appends to a residual list that it goes through: Python goes on through what is appended.
+    Raises PartChanges where it changes one of which it goes through a part."""
+    is_part = isinstance(value, Iteration) and value.kind == "part"
+    for part in value.parts[is_part:] if isinstance(value, Iteration) else ():
         refuse_changes(ev, part, body, node)
-    listed = value.parts[0] if isinstance(value, Iteration) and value.kind == "part" else value
+    listed = value.parts[0] if isinstance(value, Iteration) and is_part else value
     if isinstance(listed, Data) and listed.is_list:
         for n in tree.walk(list(body)):
+            if is_part and (_appends(n, listed.name) or listed.name in map(base_name, targets(n))):
+                raise PartChanges
             if _appends(n, listed.name):
                 raise ev.refusal(node, "a list that grows while it is gone through",
                                  help="write a while loop: while k < len(us)")
-            if listed is not value and listed.name in map(base_name, targets(n)):
-                raise ev.refusal(node, "a part of a list that changes while it is gone through", help=HELP)
 
 
 def _appends(node: AST, listed: str) -> bool:

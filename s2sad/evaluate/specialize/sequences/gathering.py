@@ -111,14 +111,14 @@ def _filled(ev: Evaluator, node: Any, f: Frame, reason: Unevaluated, first: Valu
             ev.statements([loops_of(ev, node, "filled", lambda: [
                 tree.at(tree.Expr(tree.Call(tree.attribute(tree.name(FILLED), "append"), [node.elt], [])), node.elt)
             ])], inner)
-        if reason.demands and ev.listed_records(node).form:
+        if reason.demands and ev.listed_records(node).known.form:
             raise reason        # of objects, which are written out where facts can say how many there are
         if asked and ev.inlines and any(map(_computes, tree.walk(ev.block[start:]))):
             raise reason        # of integers that say what there is: items that are more than expressions
         return ev.heap.objects.pop(inner.reference.number).items[FILLED]
-    except Unevaluated:
+    except Unevaluated as inner:
         ev.restore(before)
-        raise reason from None
+        raise (inner if inner.objects else reason) from None
 
 
 @contextmanager

@@ -18,8 +18,8 @@ from s2sad.evaluate.specialize.sequences.nested_ranges import NESTED
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    FACTORY, LARGEST_SEQUENCE, UNKNOWN, ClassValue, Data, Iteration, MethodValue, Reference, TupleValue, Value,
-    constant, value_of_key,
+    FACTORY, LARGEST_SEQUENCE, UNKNOWN, ClassValue, Data, Iteration, MethodValue, Reference, ResidualObject,
+    TupleValue, Value, constant, value_of_key,
 )
 from s2sad.tree import AST
 
@@ -86,6 +86,12 @@ def all_items(ev: Evaluator, value: Value, node: AST, f: Frame) -> list[Value]:
         return [constant(c) for c in value.known]
     if isinstance(value, ClassValue):
         return _members(ev, value, node)
+    if isinstance(value, ResidualObject) and value.table.kind == "list":
+        return [ev.residual_item(value, k, node) for k in value.table.columns]
+    if isinstance(value, ResidualObject) and value.table.kind == "dict":
+        return [value_of_key(k) for k in value.table.columns]
+    if isinstance(value, ResidualObject):
+        return _of_object(ev, value, node, f)
     if not isinstance(value, Iteration):
         return _of_data(ev, value, node)
     if value.kind == "range":
@@ -189,9 +195,9 @@ def _filtered(ev: Evaluator, value: Iteration, node: AST, f: Frame) -> list[Valu
     return found
 
 
-def _of_object(ev: Evaluator, value: Reference, node: AST, f: Frame) -> list[Value]:
+def _of_object(ev: Evaluator, value: Reference | ResidualObject, node: AST, f: Frame) -> list[Value]:
     """An object of a class with `__iter__`."""
-    made = ev.heap[value].made
+    made = ev.class_of(value)
     own = ev.method_named(made, "__iter__", value, node, f)
     if own is None:
         title = made.name if made else "?"
@@ -230,7 +236,9 @@ def length(ev: Evaluator, value: Value, node: AST, f: Frame) -> Value:
     own = ev.special_method(value, "__len__", node, f)
     if own is not None:
         return ev.call(own, [], {}, node, f)
-    if isinstance(value, Reference) and ev.heap[value].kind == "record":
+    if isinstance(value, ResidualObject) and value.table.kind != "record":
+        return constant(len(value.table.columns))
+    if isinstance(value, ResidualObject) or isinstance(value, Reference) and ev.heap[value].kind == "record":
         raise ev.refusal(node, f"len() of {ev.kind_of(value)}, whose class has no __len__")
     if isinstance(value, TupleValue):
         return constant(len(value.items))

@@ -7,22 +7,25 @@
             events.append(Event(t, v))                  events.append((t, v))
     return sum(e.t * e.v for e in events)       ...     row[0] * row[1]
 
-What is put there and what is taken out is changed by nothing from then on, so that a copy of it is as good. What all of
-them share, a text or an object that was there before, is no part of a row. Of texts that differ, as lines of a log, a
-derivative knows how many there are and no more.
+What is put there and what is taken out is changed by nothing from then on, so that a copy of it is as good (what is
+changed is a row of a table, and its number is put there: `object_tables`). What all of them share, a text or an object
+that was there before, is no part of a row. Of texts that differ, as lines of a log, a derivative knows how many there
+are and no more.
 """
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from s2sad import tree
+from s2sad.diagnostics import S2sadError
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.values import (
-    FACTORY, Choice, Data, OpaqueValue, Reference, TupleValue, Value, alike, constant, parts,
+    FACTORY, Choice, Data, OpaqueValue, Reference, ResidualObject, TupleValue, Value, alike, constant, parts,
 )
 from s2sad.tree import AST
 
@@ -42,13 +45,46 @@ class _Form:
 
 
 @dataclass(eq=False)
-class ListedRecords:
-    """What the items of the lists of one site are made of, once one is there; "" of numbers, arrays and tuples. Tuples
-    of numbers are `width` wide, numbers 0. A deque keeps the last `most` of them."""
+class _Items:
+    """What items are made of, once one is there; "" of numbers, arrays and tuples. Tuples of numbers are `width` wide,
+    numbers 0. A deque keeps the last `most` of them. Objects were made at `sites`."""
     form: Any = None
+    sites: set[Any] = field(default_factory=set)
     width: int | None = None
     is_read: bool = False
     most: int | None = None
+    lists: list[ListedRecords] = field(default_factory=list)
+
+
+class ListedRecords:
+    """What is known of the items of the lists of one site, and of those that take their places."""
+
+    def __init__(self, known: _Items | None = None):
+        self.known = known or _Items()
+        self.known.lists.append(self)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ListedRecords) and self.known is other.known
+
+    __hash__ = None  # pyright: ignore[reportAssignmentType]
+
+    def without_end(self) -> ListedRecords:
+        """What is known of the items of a list that is no deque."""
+        return ListedRecords(replace(self.known, is_read=True, most=None, lists=[]))
+
+    def join(self, other: ListedRecords) -> None:
+        """Makes what is known of both the same."""
+        ours, theirs = self.known, other.known
+        if ours is theirs:
+            return
+        if theirs.form is not None:
+            ours.width = theirs.width if ours.form is None or ours.width == theirs.width else None
+            ours.form = theirs.form if ours.form is None else _merged(ours.form, theirs.form)
+        ours.sites |= theirs.sites
+        ours.is_read |= theirs.is_read
+        for one in theirs.lists:
+            one.known = ours
+        ours.lists += theirs.lists
 
 
 @operation
@@ -61,32 +97,45 @@ def listed_records(ev: Evaluator, origin: AST) -> ListedRecords:
 def limit_items(ev: Evaluator, origin: AST, most: int) -> None:
     """The deques that are made at a place keep so many items."""
     rows = listed_records(ev, origin)
-    if rows.most not in (None, most):
+    if rows.known.most not in (None, most):
         raise ev.refusal(origin, "deques of several lengths are made here, whose items only the run counts",
                          help="make each in a statement of its own")
-    rows.most = most
+    rows.known.most = most
 
 
 def hold_alike(*values: Value) -> bool:
     """Whether lists of the residual program that take each other's places keep as many items, which are made of the
-    same."""
-    rows = [v.rows or ListedRecords() for v in values if isinstance(v, Data) and v.is_list]
-    forms = [r.form for r in rows if r.form is not None]
-    return len({r.most for r in rows}) < 2 and all(_same(forms[0], f) for f in forms)
+    same: from then on they are."""
+    listed = [v for v in values if isinstance(v, Data) and v.is_list]
+    rows = [v.rows or ListedRecords() for v in listed]
+    alike_made = len({r.known.most for r in rows}) < 2 and _have_one_form(rows)
+    if alike_made and len(listed) == len(values):
+        same_rows(listed)
+    return alike_made
+
+
+def _have_one_form(rows: Sequence[ListedRecords]) -> bool:
+    forms = [r.known.form for r in rows if r.known.form is not None]
+    return all(_same(forms[0], f) for f in forms)
 
 
 def same_rows(values: Iterable[Data]) -> ListedRecords | None:
-    """What the items are made of of a list that is one of several."""
-    found = [v.rows for v in values]
-    if all(r is found[0] for r in found):
-        return found[0]
-    return ListedRecords(most=_ONE_OF_SEVERAL) if any(r is not None and r.most is not None for r in found) else None
+    """What the items are made of of a list that is one of several: they are from then on."""
+    found: list[Any] = [v.rows for v in values]
+    there = [r for r in found if r is not None]
+    if len({r.known.most for r in there}) > 1 or len(there) < len(found) and any(r.known.most for r in there):
+        return ListedRecords(_Items(most=_ONE_OF_SEVERAL))
+    if len(there) < len(found) or not _have_one_form(there):
+        return None
+    for other in there[1:]:
+        there[0].join(other)
+    return there[0] if there else None
 
 
 @operation
 def append_residual(ev: Evaluator, base: Data, value: Value, node: AST, f: Frame | None = None) -> None:
     """Appends to a list of the residual program; a deque that holds as many as it keeps loses its first one."""
-    most = None if base.rows is None else base.rows.most
+    most = None if base.rows is None else base.rows.known.most
     if most == _ONE_OF_SEVERAL:
         raise ev.refusal(node, "a deque with a length is one of several", help="give each a name of its own")
     item = ev.as_row(base.rows, value, node)
@@ -106,40 +155,48 @@ def as_row(ev: Evaluator, rows: ListedRecords | None, value: Value, node: AST) -
     if not _has_records(ev, value) and not is_text:
         form: Any = ""
     elif rows is None:
-        raise ev.unknown(node, "an object is put into a list that is one of several", help="give the lists names of "
-                         "their own")
+        raise rows_wanted(ev, made_at(ev, value), ev.refusal(
+            node, "an object is put into a list that is one of several", help="give the lists names of their own"))
     else:
         form = _TEXT if is_text else _form(ev, value)
     if rows is not None:
-        known = form if rows.form is None else rows.form if rows.is_read else _merged(rows.form, form)
-        rows.form, form = known, _merged(form, known)
+        there = rows.known
+        known = form if there.form is None else there.form if there.is_read else _merged(there.form, form)
+        there.form, form = known, _merged(form, known)
         if not _same(known, form):
-            raise ev.refusal(node, "objects that hold different things are put into one list whose length only the run "
-                             "knows", help="give each the same attributes, or keep a list for each kind")
+            raise rows_wanted(ev, made_at(ev, value) | there.sites, ev.refusal(
+                node, "objects that hold different things are put into one list whose length only the run knows",
+                help="give each the same attributes, or keep a list for each kind"))
     if form == "":
         if rows is not None:
-            rows.width = _width(value)
+            rows.known.width = _width(value)
         return value
     if form == _TEXT:
         return constant(0)
-    if not (leaves := [*_leaves(ev, value, form)]):
-        raise ev.unknown(node, "one object is put into a list again and again",
-                         help="make a new one in each round of the loop")
+    if isinstance(value, ResidualObject):
+        return ev.named(value.number, "number", node)
+    if not (leaves := [*_leaves(ev, value, form, set() if rows is None else rows.known.sites)]):
+        raise rows_wanted(ev, made_at(ev, value), ev.refusal(node, "one object is put into a list again and again",
+                                                            help="make a new one in each round of the loop"))
     return TupleValue(tuple(ev.atoms(v, "item", node) for v in leaves))
 
 
 @operation
 def listed_record(ev: Evaluator, listed: Data, item: Data, node: AST) -> Value:
     """The object that an item of a list stands for; the item itself of a list of numbers, arrays and tuples."""
-    form = listed.rows.form if listed.is_list and listed.rows is not None else None
-    if listed.rows is not None:
-        listed.rows.is_read = True
+    known = listed.rows.known if listed.rows is not None else _Items()
+    form, known.is_read = known.form if listed.is_list else None, True
+    if form is None and listed.rows is not None and ev.residual:
+        ev.unfilled.append(listed.rows)     # what is put there says later what it is
+        ev.raises("builtins.IndexError", [tree.const("list index out of range")], node)
     if not form:
-        return replace(item, count=listed.rows.width) if listed.rows is not None and listed.rows.width else item
+        return replace(item, count=known.width) if known.width else item
     if form == _TEXT:
         return OpaqueValue("a text of a list whose length only the run knows")
+    if form.kind == "object":
+        return ResidualObject(ev.named(replace(item, shape=()), "number", node), form.made)
     row = ev.named(item, "row", node)
-    return _built(ev, form, row, iter(range(len([*_places(form)]))), node)
+    return _built(ev, form, row, iter(range(len([*_places(form)]))), node, known.sites)
 
 
 @operation
@@ -149,15 +206,48 @@ def is_listed(ev: Evaluator, value: Value) -> bool:
 
 
 @operation
-def as_listed(ev: Evaluator, value: Value, objects: Mapping[int, Object], listed: bool) -> Value:
-    """The value, whose objects must not be changed if they are `listed`."""
-    if listed and isinstance(value, Reference) and value.number not in ev.in_lists:
-        ev.in_lists.add(value.number)
+def listed_sites(ev: Evaluator, value: Value) -> set[Any] | None:
+    """Where the objects of lists of the residual program were made that are in a value; None where there are none."""
+    found = [ev.in_lists.get(value.number)] if isinstance(value, Reference) else [listed_sites(ev, p) for p in parts(
+        value)]
+    there = [sites for sites in found if sites is not None]
+    return there[0] if len(there) == 1 else set[Any]().union(*there) if there else None
+
+
+@operation
+def as_listed(ev: Evaluator, value: Value, objects: Mapping[int, Object], sites: set[Any] | None) -> Value:
+    """The value, whose objects must not be changed if they were made at `sites` as those of lists."""
+    if sites is not None and isinstance(value, Reference) and value.number not in ev.in_lists:
+        ev.in_lists[value.number] = sites
         for inner in objects[value.number].items.values():
-            as_listed(ev, inner, objects, True)
+            as_listed(ev, inner, objects, sites)
     for inner in parts(value):
-        as_listed(ev, inner, objects, listed)
+        as_listed(ev, inner, objects, sites)
     return value
+
+
+@operation
+def rows_wanted(ev: Evaluator, made: set[Any], error: S2sadError) -> Unevaluated:
+    """What is said where objects would have to be rows of tables, of which is known where they are made."""
+    sites = frozenset() if None in made else frozenset(map(id, made))
+    ev.held += [*made]
+    return Unevaluated(error, objects=sites)
+
+
+@operation
+def changed_in_list(ev: Evaluator, number: int, node: AST) -> Unevaluated:
+    """What is said of an object that a list of the run holds as a copy, and that is changed."""
+    return rows_wanted(ev, ev.in_lists[number], ev.refusal(
+        node, "an object is changed that a list holds whose length only the run knows",
+        help="change it before it is appended, or append a new one"))
+
+
+@operation
+def made_at(ev: Evaluator, value: Value) -> set[Any]:
+    """Where the objects in a value were made."""
+    if isinstance(value, Reference):
+        return ev.in_lists.get(value.number) or {ev.heap[value].site}
+    return set[Any]().union(*(made_at(ev, p) for p in parts(value)))
 
 
 def _width(value: Value) -> int | None:
@@ -180,7 +270,8 @@ def _has_records(ev: Evaluator, value: Value) -> bool:
     if isinstance(value, TupleValue):
         return value.made is not None or any(
             _is_text_value(i) or _has_records(ev, i) for i in value.items)
-    return isinstance(value, Reference) and ev.heap[value].kind in ("record", "dict")
+    return isinstance(value, ResidualObject) or isinstance(value, Reference) and (
+        ev.heap[value].kind in ("record", "dict"))
 
 
 def _form(ev: Evaluator, value: Value) -> Any:
@@ -189,6 +280,8 @@ def _form(ev: Evaluator, value: Value) -> Any:
         return _ROW
     if isinstance(value, OpaqueValue) or isinstance(value, Choice) and _is_text_value(value):
         return _TEXT
+    if isinstance(value, ResidualObject):
+        return _Form("object", value.table)
     if isinstance(value, TupleValue):
         return _Form("tuple", value.made, inner=tuple(_form(ev, i) for i in value.items))
     held = ev.heap[value] if isinstance(value, Reference) else None
@@ -223,33 +316,37 @@ def _same(one: Any, other: Any) -> bool:
         other.inner) and all(map(_same, one.inner, other.inner))
 
 
-def _leaves(ev: Evaluator, value: Any, form: Any) -> Iterator[Value]:
-    """The numbers and arrays that a value holds; nothing may change it from now on."""
+def _leaves(ev: Evaluator, value: Any, form: Any, sites: set[Any]) -> Iterator[Value]:
+    """The numbers and arrays that a value holds; nothing may change it from now on. Its objects are of `sites`."""
     if form == _ROW:
         yield value
     elif form == _TEXT:
         return
+    elif form.kind == "object":
+        yield value.number
     elif form.kind == "tuple":
         for item, inner in zip(value.items, form.inner):
-            yield from _leaves(ev, item, inner)
+            yield from _leaves(ev, item, inner, sites)
     elif form.kind == "shared":
         if isinstance(value, Reference):
-            ev.in_lists.add(value.number)
+            ev.in_lists[value.number] = {ev.heap[value].site}
     else:
-        ev.in_lists.add(value.number)
+        sites |= made_at(ev, value)
+        ev.in_lists[value.number] = sites
         for item, inner in zip(ev.heap[value].items.values(), form.inner):
-            yield from _leaves(ev, item, inner)
+            yield from _leaves(ev, item, inner, sites)
 
 
 def _places(form: Any) -> Iterator[None]:
-    if form == _ROW:
+    if form == _ROW or isinstance(form, _Form) and form.kind == "object":
         yield None
     elif form != _TEXT:
         for inner in form.inner:
             yield from _places(inner)
 
 
-def _built(ev: Evaluator, form: Any, row: Data, places: Iterator[int], node: AST, wanted: str = "item") -> Value:
+def _built(ev: Evaluator, form: Any, row: Data, places: Iterator[int], node: AST, sites: set[Any],
+           wanted: str = "item") -> Value:
     """An object of what a row holds."""
     if form == _ROW:
         return ev.named(Data(tree.at(tree.index(tree.copy(row.node), tree.const(next(places))), node)), wanted, node)
@@ -257,11 +354,14 @@ def _built(ev: Evaluator, form: Any, row: Data, places: Iterator[int], node: AST
         return OpaqueValue("a text of a list whose length only the run knows")
     if form.kind == "shared":
         return form.shared
+    if form.kind == "object":
+        number = _built(ev, _ROW, row, places, node, sites, wanted)
+        return ResidualObject(replace(number, shape=()), form.made)  # pyright: ignore[reportArgumentType]
     keys = form.keys or range(len(form.inner))
-    items: dict[Hashable, Value] = {k: _built(ev, inner, row, places, node, f"{row.name}_{k}")
+    items: dict[Hashable, Value] = {k: _built(ev, inner, row, places, node, sites, f"{row.name}_{k}")
                                     for k, inner in zip(keys, form.inner)}
     if form.kind == "tuple":
         return TupleValue(tuple(items.values()), form.made)
     made = ev.heap.new(Object(form.kind, items, form.made, label=row.name))
-    ev.in_lists.add(made.number)
+    ev.in_lists[made.number] = sites
     return made

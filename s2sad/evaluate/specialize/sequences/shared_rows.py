@@ -22,8 +22,9 @@ def spelled_item(ev: Evaluator, value: Value, origin: AST, f: Frame | None = Non
     for one in (value, *parts(value)):
         if isinstance(one, Reference) and ev.heap[one].kind == "list" and (held := ev.heap.holders(one)) and not (
                 f is not None and held == 1 and one is value and _is_only_read(ev, one, origin, f)):
-            raise ev.refusal(origin, "a list that has a name is put into one of which only the run knows how long it "
-                             "becomes, and one of them may be written", help="put a copy there: list(w)")
+            error = ev.refusal(origin, "a list that has a name is put into one of which only the run knows how long it "
+                               "becomes, and one of them may be written", help="put a copy there: list(w)")
+            raise ev.rows_wanted({ev.heap[one].site}, error)
     return ev.spelled(value, origin)
 
 
