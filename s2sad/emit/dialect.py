@@ -7,11 +7,13 @@ Functions of any form go in, and come out in the same.
 """
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from s2sad import rules, tree
 from s2sad.emit.numpy_scalars import numpy_scalars
 from s2sad.infer.types import Type
 from s2sad.rules.transforms import TRANSFORMS
-from s2sad.tree import AST, BinOp, Call, Div, FunctionDef, attribute, call, call_name, const, copy, rebuild
+from s2sad.tree import AST, BinOp, Call, Div, FunctionDef, Name, attribute, call, call_name, const, copy, name, rebuild
 from s2sad.units import Units
 
 _LACKING = {
@@ -34,12 +36,21 @@ def in_dialect(functions: list[FunctionDef], units: Units) -> list[FunctionDef]:
 
 
 def _products_of_stacks(node: AST) -> AST | None:
-    """NumPy's own functions of stacks of matrices."""
+    """NumPy's own functions of stacks of matrices, and the method in place of a function that takes no keywords."""
     if call_name(node) == "runtime.stacked_transpose":
         return call("numpy.swapaxes", rebuild(node.args[0], _products_of_stacks), const(-2), const(-1))
     if call_name(node) == "runtime.stacked_matmul":
         return call("numpy.matmul", *(rebuild(a, _products_of_stacks) for a in node.args))
-    return None
+    return _conversion(node, _products_of_stacks)
+
+
+def _conversion(node: AST, change: Callable[[AST], AST | None]) -> AST | None:
+    """`x.astype(dtype)`."""
+    if call_name(node) != "numpy.astype" or not isinstance(node, Call) or not len(node.args) == len(node.keywords) == 1:
+        return None
+    made, dtype = rebuild(node.args[0], change), copy(node.keywords[0].value)
+    dtype = name("numpy.bool_") if isinstance(dtype, Name) and dtype.id == "builtins.bool" else dtype
+    return _at(Call(attribute(made, "astype"), [dtype], []), node)
 
 
 def types_of(units: Units) -> dict[str, dict[str, Type]]:
@@ -83,9 +94,8 @@ def _change(node: AST) -> AST | None:
     if name == "numpy.clip" and len(node.args) == 3:
         x, low, high = _arguments(node)
         return _at(call("numpy.minimum", call("numpy.maximum", x, low), high), node)
-    if name == "numpy.astype" and len(node.args) == len(node.keywords) == 1:
-        made, dtype = rebuild(node.args[0], _change), copy(node.keywords[0].value)
-        return _at(Call(attribute(made, "astype"), [dtype], []), node)
+    if name == "numpy.astype":
+        return _conversion(node, _change)
     if name == "numpy.ndim" and len(node.args) == 1:
         return _at(call("builtins.len", call("numpy.shape", *_arguments(node))), node)
     if name == "math.isclose":

@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from s2sad import S2sadError, differentiate, gradient
+from s2sad import S2sadError, differentiate, gradient, value_and_gradient
 from tests.harness.engines import running
 from tests.corpus.branches.type_tests import X
 
@@ -46,3 +46,15 @@ def test_what_a_number_has_and_an_array_does_not():
     np.testing.assert_array_equal(f(np.ones(2)), 2.0)
     with pytest.raises(S2sadError, match="whether this has 'shape' must be known before the run"):
         f(2.0)      # a float of Python's has none, one of NumPy's has
+
+
+def called_or_read(x):
+    if hasattr(x, "__call__") or hasattr(x[0], "__name__") or hasattr(x, "mro"):     # noqa: B004
+        return 0.0
+    return x[0]
+
+
+def test_what_a_type_has_its_objects_do_not():
+    value, found = value_and_gradient(differentiate(called_or_read, engine="numpy"))(np.array([1.5, 0.7]))
+    assert value == 1.5
+    np.testing.assert_array_equal(found, [1.0, 0.0])

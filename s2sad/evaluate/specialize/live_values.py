@@ -196,17 +196,23 @@ def _container(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> Val
     reference = ev.live[id(value)] = ev.heap.new(Object(kind, {}, label=name, live=value, is_owned=ev.owning,
                                                        site=site if ev.owning and kind == "list" else None))
     ev.held.append(value)
-    if kind == "dict":
-        items: Mapping[Any, Value] = {_key(ev, k): outside_value(ev, f"{name}_{k}", taken(value, "item", k), node, f)
-                                      for k in taken(value, "keys")}
-    elif kind == "list":
-        taken(value, "items")
-        items = {k: outside_value(ev, f"{name}_{k}", v, node, f) for k, v in enumerate(value)}
-    else:
-        items = {_key(ev, v): outside_value(ev, name, v, node, f) for v in value}
-    ev.heap.set_items(reference, items)
+    try:
+        ev.heap.set_items(reference, _outside_items(ev, name, kind, value, node, f))
+    except BaseException:
+        del ev.live[id(value)]      # what holds it is not there when this is tried again
+        raise
     ev.outset[reference.number] = ev.heap[reference]
     return reference
+
+
+def _outside_items(ev: Evaluator, name: str, kind: str, value: Any, node: AST, f: Frame) -> Mapping[Any, Value]:
+    if kind == "dict":
+        return {_key(ev, k): outside_value(ev, f"{name}_{k}", taken(value, "item", k), node, f)
+                for k in taken(value, "keys")}
+    if kind == "list":
+        taken(value, "items")
+        return {k: outside_value(ev, f"{name}_{k}", v, node, f) for k, v in enumerate(value)}
+    return {_key(ev, v): outside_value(ev, name, v, node, f) for v in value}
 
 
 def _key(ev: Evaluator, key: Any) -> Any:

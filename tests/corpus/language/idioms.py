@@ -76,7 +76,34 @@ def calls_inside(x):
     return z[0] * sum(changed(z) * i for i in range(2)) + norm(np.array([changed(z) for _ in range(2)])) * z[0]
 
 
-KERNELS = [extremes, axes, arguments, in_order, beside_a_call, calls_inside]
+def asserted(x):
+    assert np.array_equal(x, x.astype(bool) * x)
+    return np.sum(x) * x[0]
+
+
+def first_one_apart(x):
+    before, s = None, 1.0
+    for v in x[1:]:
+        if before is not None:
+            s += (v - before) ** 2
+        before = v
+    return s * x[0]
+
+
+def first_object_apart(x):
+    pairs, before, s = [], None, x[0]
+    for v in x:
+        if v > 100.0:
+            pairs.append({"v": v})
+    for p in pairs:
+        if before is not None:
+            s += before * p["v"]
+        before = p["v"]
+    return s * x[1]
+
+
+KERNELS = [asserted, first_one_apart, first_object_apart, extremes, axes, arguments, in_order, beside_a_call,
+           calls_inside]
 
 
 def maybe(x):
@@ -97,3 +124,4 @@ def cases():
     yield Case(axes, (X[:1],), ("x",))
     yield Case(extremes, (X.astype("float32"),), ("x",))
     yield Case(maybe, (X,), "x")
+    yield Case(first_one_apart, (X[:1],), ("x",))

@@ -23,8 +23,8 @@ from s2sad.tree import AST
 
 @dataclass(frozen=True)
 class Split:
-    """The first item of what a loop goes through, what is left, and the tests of whether there is a first one."""
-    first: Value
+    """What takes the first item of what a loop goes through, what is left, and the tests of whether there is one."""
+    first: Callable[[], Value]
     rest: Value
     tests: tuple[AST, ...]
     demands: frozenset[Fact] = frozenset()      # what would tell these
@@ -33,13 +33,11 @@ class Split:
 @dataclass(frozen=True)
 class Peeled:
     """One round, behind which `rest` evaluates the others."""
-    item: Value
-    rest: Callable[[], Any] | None
+    item: Callable[[], Value]
+    rest: Callable[[], Any]
 
-    def next(self) -> tuple[Value, Peeled] | None:
-        if self.rest is None:
-            return None
-        return self.item, _Rest(self.rest)  # pyright: ignore[reportReturnType]
+    def next(self) -> tuple[Value, _Rest]:
+        return self.item(), _Rest(self.rest)
 
 
 @dataclass(frozen=True)
@@ -72,8 +70,9 @@ def split_iteration(ev: Evaluator, through: Value, node: AST) -> Split | None:
         inner = split_iteration(ev, through.parts[1], node)
         if inner is None:
             return None
-        first = ev.named(ev.item_of(through.parts[0], inner.first, node, ev.entry), "first", node)
-        return replace(inner, first=first, rest=replace(through, parts=(through.parts[0], inner.rest)))
+        return replace(inner, first=lambda: ev.atoms(
+            ev.item_of(through.parts[0], inner.first(), node, ev.entry), "first", node),
+            rest=replace(through, parts=(through.parts[0], inner.rest)))
     if isinstance(through, Data):
         base = ev.spelled(through, node)
         first = Data(tree.at(tree.index(base, tree.const(0)), node),
@@ -85,7 +84,7 @@ def split_iteration(ev: Evaluator, through: Value, node: AST) -> Split | None:
         if shape.is_known and shape.known and shape.known[0] == 0:
             return None
         tests = () if shape.is_known and shape.known else (test,)
-        return Split(ev.named(first, "first", node), ev.named(rest, "rest", node), tests, shape.demands)
+        return Split(lambda: ev.named(first, "first", node), ev.named(rest, "rest", node), tests, shape.demands)
     if not isinstance(through, Iteration):
         return None
     if through.kind == "range":
@@ -93,13 +92,15 @@ def split_iteration(ev: Evaluator, through: Value, node: AST) -> Split | None:
     if through.kind == "enumerate":
         return _enumerate(ev, through, node)
     if through.kind in ENDLESS:
-        return Split(ev.item_at(through, constant(0), node, ev.entry), behind_first(through), ())
+        first = ev.item_at(through, constant(0), node, ev.entry)
+        return Split(lambda: first, behind_first(through), ())
     if through.kind == "zip":
         inner = [split_iteration(ev, p, node) for p in through.parts]
         if not all(inner):
             return None
         found = [i for i in inner if i is not None]
-        return Split(TupleValue(tuple(i.first for i in found)), Iteration("zip", tuple(i.rest for i in found)),
+        rest = Iteration("zip", tuple(i.rest for i in found))
+        return Split(lambda: TupleValue(tuple(i.first() for i in found)), rest,
                      tuple(t for i in found for t in i.tests), frozenset().union(*(i.demands for i in found)))
     return None
 
@@ -118,7 +119,7 @@ def _range(ev: Evaluator, through: Iteration, node: AST) -> Split | None:
         return None
     second = constant(start.known + step.known) if start.is_known else Data(tree.at(tree.add(
         ev.spelled(start, node), ev.spelled(step, node)), node))
-    return Split(start, Iteration("range", (ev.named(second, "second", node), stop, step)), tests,
+    return Split(lambda: start, Iteration("range", (ev.named(second, "second", node), stop, step)), tests,
                  start.demands | stop.demands)
 
 
@@ -127,6 +128,6 @@ def _enumerate(ev: Evaluator, through: Iteration, node: AST) -> Split | None:
     start = through.parts[1] if through.parts[1:] else constant(0)
     if inner is None or not isinstance(start, Data) or not isinstance(start.known, int):
         return None
-    return Split(TupleValue((start, inner.first)), Iteration("enumerate", (inner.rest, constant(start.known + 1))),
-                 inner.tests, inner.demands)
+    rest = Iteration("enumerate", (inner.rest, constant(start.known + 1)))
+    return Split(lambda: TupleValue((start, inner.first())), rest, inner.tests, inner.demands)
 

@@ -33,7 +33,7 @@ def while_statement(ev: Evaluator, s: Any, f: Frame) -> None:
     def peel() -> None:
         test = ev.test_of(s.test, f)
         tests = (ev.named(test, "runs", s.test).node,) if isinstance(test, Data) else ()
-        peeled(ev, s, f, Split(NONE, NONE, tests), lambda: rolled(ev, s, stays), lambda _: None)
+        peeled(ev, s, f, Split(lambda: NONE, NONE, tests), lambda: rolled(ev, s, stays), lambda _: None)
     unroll = (lambda: ev.unrolled(s, WhileCursor(ev, s, f), f, lambda _: None)) if known else None
     rolled(ev, s, stays, peel, unroll)
 
