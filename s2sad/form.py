@@ -119,6 +119,8 @@ def _simple(statement: AST, level: int, derivative: bool) -> Iterator[tuple[AST,
             yield statement, "several names bound to something that is no kernel's call"
         if not isinstance(target, (Name, Subscript, Tuple)):
             yield statement, f"a {type(target).__name__} as a target"
+        elif not isinstance(target.ctx, Store):
+            yield statement, "a target that is read, and not stored to"
         sums = level >= 2 or level == 1 and isinstance(target, Subscript)
         if isinstance(statement, AugAssign) and sums and not isinstance(statement.op, (Add, Sub)):
             yield statement, "an augmented assignment that is no sum"

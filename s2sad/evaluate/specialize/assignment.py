@@ -11,7 +11,7 @@ from s2sad.evaluate.specialize.numeric_operators import OPERATORS
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation, statement
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
-from s2sad.evaluate.specialize.subscripts import sequence_and_place
+from s2sad.evaluate.specialize.subscripts import attribute_name, sequence_and_place
 from s2sad.evaluate.unpacking import item_count
 from s2sad.evaluate.specialize.values import (
     NONE, UNKNOWN, ClassValue, Data, LibraryValue, ObjectValue, Reference, ResidualObject, ScopeValue, SliceValue,
@@ -119,7 +119,7 @@ def place_of(ev: Evaluator, target: Any, f: Frame) -> tuple[Value, Any]:
     """What a target is in, and its key there: an attribute's name, or an index."""
     _ask_of_listed(ev, target, f)
     if isinstance(target, tree.Attribute):
-        return ev.value(target.value, f), target.attr
+        return ev.value(target.value, f), attribute_name(target.attr, f)
     return sequence_and_place(ev, target, f)
 
 

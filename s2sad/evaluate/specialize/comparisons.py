@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
+from dataclasses import replace
 from enum import Flag
 from typing import Any
 
@@ -104,6 +105,7 @@ def compared(ev: Evaluator, op: AST, a: Value, b: Value, node: AST, f: Frame) ->
         for v in (a, b):
             if v.is_known and v.known is None:
                 raise ev.none_here(v, node)
+        ev.refuse_objects((a, b), node)
         return Data(tree.at(tree.Compare(ev.spelled(a, node), [op], [ev.spelled(b, node)]), node),
                     demands=demands_of(a, b), shape=broadcast(a, b) or None)
     found = _overloaded_comparison(ev, word, a, b, node, f)
@@ -266,7 +268,9 @@ def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Fr
     if isinstance(a, ResidualObject) and isinstance(b, Data) and b.is_list:
         if ev.special_method(a, "__eq__", node, f) is not None or ev.compares_fields(a):
             raise ev.refusal(node, "'in' compares objects, whose class says what equal is", help="write a loop")
-        a = a.number
+        if not ev.may_hold(b, a.table):
+            return constant(not wanted)
+        a, b = a.number, replace(b, rows=None)
     if isinstance(b, Data) and isinstance(b.known, str):
         return constant((ev.known(a, node, "a part of a text") in b.known) is wanted)
     if isinstance(b, Data) and (b.demands or shape(b) == ()):       # what is given may be a set; a number

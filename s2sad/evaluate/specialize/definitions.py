@@ -11,6 +11,7 @@ from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation, statement
 from s2sad.evaluate.specialize.frames import local_names
 from s2sad.evaluate.specialize.heap import Object
+from s2sad.evaluate.specialize.subscripts import attribute_name
 from s2sad.evaluate.specialize.values import (
     ClassValue, Data, FunctionValue, LibraryValue, MethodValue, Reference, SliceValue, Value,
 )
@@ -93,6 +94,7 @@ def _namespace(ev: Evaluator, s: Any, made: ClassValue, reference: Reference, f:
             continue        # its documentation
         else:
             ev.statements([part], body)
+    ev.heap.set_items(reference, {attribute_name(str(k), body): v for k, v in ev.heap[reference].items.items()})
 
 
 def _decorated(ev: Evaluator, value: Value, decorator: AST, f: Frame) -> Value:

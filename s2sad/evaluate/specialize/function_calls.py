@@ -165,6 +165,7 @@ def spelled_base(ev: Evaluator, value: Data, node: AST) -> AST:
 def residual_call(ev: Evaluator, function: AST, args: Sequence[Value], keywords: Mapping[str, Value], node: AST
                   ) -> Data:
     """A call that the residual program makes; one that writes an array is a statement, which gives what it wrote."""
+    ev.refuse_objects([*args, *keywords.values()], node)
     made = tree.at(tree.Call(function, [ev.spelled(a, node) for a in args],
                              [tree.keyword(k, ev.spelled(v, node)) for k, v in keywords.items()]), node)
     if not is_writing_call(made):

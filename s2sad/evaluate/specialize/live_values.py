@@ -8,6 +8,7 @@ import functools
 import logging
 import random
 import re
+import sys
 import types
 from collections.abc import Mapping
 from dataclasses import replace
@@ -65,6 +66,8 @@ def outside_value(ev: Evaluator, name: str, value: Any, node: AST, f: Frame) -> 
         return constant(value) if value is ... else LibraryValue("builtins.NotImplemented")
     if isinstance(value, Enum):
         return member(ev, value)
+    if value is sys.float_info:
+        return ObjectValue(value, "sys.float_info")
     if isinstance(value, logging.Logger):
         return LibraryValue("logging")
     if type(value) is functools.partial:

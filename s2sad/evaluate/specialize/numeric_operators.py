@@ -97,6 +97,7 @@ def binary(ev: Evaluator, op: AST, left: Value, right: Value, node: AST, f: Fram
                     whole and isinstance(op, tree.Pow)):        # integers of compiled code have no such power
                 return Data(tree.at(tree.const(known), node), known)
             return Data(tree.at(tree.BinOp(left.node, op, right.node), node), known, demands)
+    ev.refuse_objects((left, right), node)
     for value, operand in ((left, "left"), (right, "right")):
         refuse_no_number(ev, value, getattr(node, operand, node))
     if isinstance(op, tree.Pow) and isinstance(right, Data) and right.is_signed:     # an array's integers have no such

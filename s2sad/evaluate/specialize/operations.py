@@ -90,6 +90,8 @@ class Operations:
     limit_items: Callable[..., Any]
     as_row: Callable[..., Any]
     as_residual: Callable[..., Any]
+    may_hold: Callable[..., Any]
+    refuse_objects: Callable[..., Any]
     made_at: Callable[..., Any]
     copied_parts: Callable[..., Any]
     rows_wanted: Callable[..., Any]

@@ -133,4 +133,13 @@ def item_key(ev: Evaluator, base: Reference, place: Value, node: AST) -> Any:
 # -- attributes ------------------------------------------------------------------------------------------------------
 @expression("Attribute")
 def attribute(ev: Evaluator, node: Any, f: Frame) -> Value:
-    return ev.attribute_of(ev.value(node.value, f), node.attr, node, f)
+    return ev.attribute_of(ev.value(node.value, f), attribute_name(node.attr, f), node, f)
+
+
+def attribute_name(name: str, f: Frame) -> str:
+    """What an attribute is called: in the text of a class names that begin with two underscores are its own."""
+    frame: Frame | None = f
+    while frame is not None and frame.owner is None:
+        frame = frame.outer
+    is_private = name.startswith("__") and not name.endswith("__")
+    return f"_{frame.owner.name.lstrip('_')}{name}" if is_private and frame is not None and frame.owner else name

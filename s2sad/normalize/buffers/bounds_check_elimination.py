@@ -47,7 +47,8 @@ class _Checks:
         extents = self.shapes.of(node.value)
         made = [s if isinstance(s, Slice) else self.unchecked(s, extents[k] if k < len(extents) else None)
                 for k, s in enumerate(indices(node))]
-        return at(index(node.value, *made), node) if hasattr(node, "lineno") else index(node.value, *made)
+        new = Subscript(node.value, index(node.value, *made).slice, node.ctx)
+        return at(new, node) if hasattr(node, "lineno") else new
 
     def unchecked(self, subscript: AST, extent: Affine | None) -> AST:
         needless = {id(n) for n in walk(subscript) if call_name(n) == ELEMENT

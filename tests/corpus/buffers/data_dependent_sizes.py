@@ -144,8 +144,20 @@ def part_of_a_count(x):
     return np.sum(w * w * x[:n])
 
 
-CASES = [one_less, one_more, picked_again, fewer_each_time, by_a_helper, negated, stored_anew, place_as_a_size,
-         count_as_a_size, of_a_helper_that_writes, of_a_helper, counted_and_filled, part_of_a_count]
+TABLE = np.array([[0.3, 0.8, 0.1, 0.5], [0.9, 0.2, 0.7, 0.4], [0.1, 0.6, 0.3, 0.2], [0.5, 0.5, 0.9, 0.7]])
+
+
+def of_rows_that_are_picked(x):
+    places, s = np.argmin(TABLE[:2], axis=1), 0.0
+    for k in range(3):
+        d = TABLE[places, places] * x[1] * (k + 1)
+        s += np.sum(d[d > 0.3] ** 2)
+    return s
+
+
+CASES = [of_rows_that_are_picked, one_less, one_more, picked_again, fewer_each_time, by_a_helper, negated,
+         stored_anew, place_as_a_size, count_as_a_size, of_a_helper_that_writes, of_a_helper, counted_and_filled,
+         part_of_a_count]
 
 
 def cases():

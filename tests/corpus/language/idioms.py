@@ -1,6 +1,8 @@
 """Short idioms: the largest of a list, newaxis by its name, a call that is returned, comprehensions as arguments."""
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 from numpy import newaxis
 
@@ -102,8 +104,48 @@ def first_object_apart(x):
     return s * x[1]
 
 
-KERNELS = [asserted, first_one_apart, first_object_apart, extremes, axes, arguments, in_order, beside_a_call,
-           calls_inside]
+class Counting:
+    __start = 3
+
+    def __init__(self, k):
+        self.__k = k
+
+    def __scaled(self, x):
+        return x * 3.0 * self.__k
+
+    def count(self, x):
+        self.__k += 1.0
+        return self.__scaled(x) + sum(self.__start * v for v in [x, x])
+
+
+class Doubled(Counting):
+    def __init__(self, k):
+        super().__init__(k)
+        self.__k = 10.0
+
+    def both(self, x):
+        return self.count(x) * self.__k
+
+
+def private_names(x):
+    class Local:
+        __factor = 2.0
+
+        def __part(self, y):
+            return y * self.__factor
+
+        def whole(self, y):
+            return self.__part(y) + y
+
+    return Counting(2.0).count(x[0]) + Doubled(x[1]).both(x[0]) + Local().whole(x[2])
+
+
+def of_the_machine(x):
+    return x[0] / (x[1] + sys.float_info.min) if x[1] > sys.float_info.epsilon else x[0]
+
+
+KERNELS = [private_names, of_the_machine, asserted, first_one_apart, first_object_apart, extremes, axes, arguments,
+           in_order, beside_a_call, calls_inside]
 
 
 def maybe(x):

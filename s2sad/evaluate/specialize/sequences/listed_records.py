@@ -206,6 +206,37 @@ def is_listed(ev: Evaluator, value: Value) -> bool:
 
 
 @operation
+def refuse_objects(ev: Evaluator, values: Iterable[Value], node: AST) -> None:
+    """Refuses lists of the residual program whose items stand for objects where these are used as they are."""
+    for value in values:
+        rows = value.rows if isinstance(value, Data) and value.is_list else None
+        if rows is not None and rows.known.form is None and ev.residual:
+            ev.unfilled.append(rows)
+        if rows is not None and _holds_objects(rows.known.form):
+            raise ev.refusal(node, "a list of objects, whose length only the run knows, is used as a whole",
+                             help="give the numbers that they hold: [p.x for p in ps]")
+        refuse_objects(ev, parts(value), node)
+        if isinstance(value, Reference) and ev.heap[value].kind == "list":
+            refuse_objects(ev, ev.heap[value].items.values(), node)
+
+
+@operation
+def may_hold(ev: Evaluator, listed: Data, table: Any) -> bool:
+    """Whether items of a list stand for objects of a table; what is not known of one that is not filled is asked
+    again."""
+    form = None if listed.rows is None else listed.rows.known.form
+    if form is None and listed.rows is not None and ev.residual:
+        ev.unfilled.append(listed.rows)
+    return isinstance(form, _Form) and form.kind == "object" and form.made is table
+
+
+def _holds_objects(form: Any) -> bool:
+    """Whether items are objects, or have some in them."""
+    return isinstance(form, _Form) and (form.kind in ("object", "record", "dict") or any(map(
+        _holds_objects, form.inner)))
+
+
+@operation
 def listed_sites(ev: Evaluator, value: Value) -> set[Any] | None:
     """Where the objects of lists of the residual program were made that are in a value; None where there are none."""
     found = [ev.in_lists.get(value.number)] if isinstance(value, Reference) else [listed_sites(ev, p) for p in parts(
