@@ -22,6 +22,7 @@ from s2sad.run.eviction import byte_limit
 
 _SIZE = 1 << 30
 _LARGE = 1 << 16     # bytes; less is had at once
+_LINE = 64           # bytes of a line of the processor's cache
 _CLOCK = itertools.count()
 _LOCK = threading.Lock()
 
@@ -134,7 +135,20 @@ class MemoryReuse(InThreads):
 def _arena_for(wanted: int, had: np.ndarray) -> np.ndarray:
     """An arena for so many numbers: the same one, or a larger one, which takes no memory until it is used."""
     large = _LARGE <= wanted * had.itemsize <= byte_limit("S2SAD_TAPE_SIZE", _SIZE)
-    return np.empty(wanted) if large and wanted > had.size else had
+    return aligned_empty((wanted,), had.dtype) if large and wanted > had.size else had
+
+
+def aligned_empty(shape: tuple[int, ...], dtype: np.dtype[Any]) -> np.ndarray:
+    """An array of unspecified content that begins where a line of the cache does: what NumPy allocates begins at any
+    multiple of 16 bytes, where vectors lie across two lines.
+
+    >>> aligned_empty((3, 4), np.dtype(float)).ctypes.data % 64
+    0
+    """
+    size = math.prod(shape) * dtype.itemsize
+    memory = np.empty(size + _LINE, np.uint8)
+    first = -memory.ctypes.data % _LINE
+    return memory[first:first + size].view(dtype).reshape(shape)
 
 
 class CallCopies:
@@ -158,7 +172,7 @@ class CallCopies:
             self._arrays = self._threads.kept().take()
         found = self._arrays.get(place)
         if found is None or found.shape != shape or found.dtype != dtype:
-            found = self._arrays[place] = np.empty(shape, dtype)
+            found = self._arrays[place] = aligned_empty(shape, dtype)
         return found
 
     def end(self) -> None:

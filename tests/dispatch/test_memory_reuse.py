@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import s2sad
-from s2sad.dispatch.memory_reuse import CallCopies, InThreads, MemoryReuse, clear_kept
+from s2sad.dispatch.memory_reuse import CallCopies, InThreads, MemoryReuse, aligned_empty, clear_kept
 
 FIRST = (np.empty(0),)
 
@@ -90,6 +90,26 @@ def test_the_bound(monkeypatch):
     del first, second, large
     gc.collect()
     assert clear_kept() == 0
+
+
+@pytest.mark.parametrize("shape", [(), (0,), (5,), (3, 0), (1000, 7)])
+@pytest.mark.parametrize("dtype", ["float64", "float32", "complex128", "bool"])
+def test_aligned_arrays_are_like_others(shape, dtype):
+    arrays = [aligned_empty(shape, np.dtype(dtype)) for _ in range(4)]
+    for k, made in enumerate(arrays):
+        assert (made.shape, made.dtype, made.flags.c_contiguous, made.flags.writeable) == (shape, dtype, True, True)
+        assert made.ctypes.data % 64 == 0 or made.size == 0
+        made[...] = k % 2
+    assert all((made == k % 2).all() for k, made in enumerate(arrays))
+
+
+def test_the_arena_begins_where_a_line_of_the_cache_does():
+    seen = []
+    reuse = MemoryReuse(lambda n, arena: (seen.append(arena), n, n)[1:], FIRST, arena=True)
+    for n in (1 << 14, 1 << 14, 10, (1 << 14) + 3, 5):
+        reuse(n)
+    assert [a.size for a in seen] == [0, 1 << 14, 1 << 14, 1 << 14, (1 << 14) + 3]
+    assert seen[1] is seen[3] and all(a.ctypes.data % 64 == 0 for a in seen[1:])
 
 
 # -- with compiled derivatives ----------------------------------------------------------------------------------------
@@ -191,6 +211,7 @@ def test_copies_take_the_memory_of_those_of_the_last_call():
     kept, small = first.of("u", LARGE), first.of("v", LARGE[:4])
     first.end()
     again = second.of("u", 2.0 * LARGE[::-1])
+    assert kept.ctypes.data % 64 == 0
     assert again is kept and np.array_equal(kept, 2.0 * LARGE[::-1]) and second.of("v", LARGE[:4]) is not small
     assert third.of("u", LARGE) is not kept             # it began before the second one has ended
     second.end()
