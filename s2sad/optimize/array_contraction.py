@@ -7,8 +7,9 @@ An array of the function's own that one nest alone references, always at the ele
         x_bar[i] += a * w_bar[i]            w_bar_here += g[i]
         w_bar[i] = 0.0                      x_bar[i] += a * w_bar_here
 
-and where one nest increments an array of zeros and the next one clears it, the increment becomes a store and the clear
-goes:
+So is one that several nests reference, each at one element of its iteration, which it fills before all else: none hands
+anything to another. Where one nest increments an array of zeros and the next one clears it, the increment becomes a
+store and the clear goes:
 
     for i in range(n):                  for i in range(n):
         w_bar[i] += g[i]                    w_bar[i] = g[i]
@@ -21,7 +22,7 @@ goes:
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from s2sad.liveness import base_name
 from s2sad.blocks import with_blocks
@@ -29,11 +30,11 @@ from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.optimize.loop_bounds import bound_names, counter_offset
 from s2sad.optimize.iteration_spaces import IterationSpaces
-from s2sad.optimize.loop_nests import Nest
+from s2sad.optimize.loop_nests import Nest, perfect_nest
 from s2sad.simplify.initialize_accumulators import clears_element
 from s2sad.tree import (
     AST, Assign, Attribute, AugAssign, Call, Constant, FunctionDef, If, IfExp, Name, Sub, Subscript, assign, at,
-    augment, call, call_name, const, copy, dump, indices, name, names, negate, rebuild, walk,
+    augment, call, call_name, const, copy, dump, indices, name, names, negate, rebuild, walk, with_body,
 )
 
 _LIKE = {"numpy.empty_like", "numpy.zeros_like"}
@@ -73,6 +74,26 @@ class Contractible:
                 self.contract_to_scalar(array, *users[0])
             elif len(users) == 2 and self.allocators[array].startswith("numpy.zeros"):
                 self.drop_clear(array, users[0][0], users[1][0], extents)
+
+    def contract_apart(self, function: FunctionDef, extents: IterationSpaces) -> FunctionDef:
+        """The function without the arrays that hand nothing from one nest to another: each nest that mentions one fills
+        the element of its iteration before it reads it."""
+        places: Counter[str] = Counter()
+        filled: Counter[str] = Counter()
+
+        def count(nest: Nest) -> None:
+            for array in {base_name(n) for n in walk(nest.body) if isinstance(n, Subscript)} & set(self.places):
+                found = _references(array, nest.body)
+                filled[array] += len(found) if _fills_first(array, nest) else 0
+
+        def contract(nest: Nest) -> None:
+            for array in apart:
+                if found := _references(array, nest.body):
+                    self.contract_to_scalar(array, nest, found)
+        _changed_nests(function.body, extents, count)
+        places.update(base_name(n) for n in walk(function.body) if isinstance(n, Subscript))
+        apart = [a for a in self.places if filled[a] and filled[a] == places[a]]
+        return with_body(function, _changed_nests(function.body, extents, contract)) if apart else function
 
     def is_produced_for(self, first: list[AST], second: list[AST]) -> bool:
         """Whether one body produces an array that only the other one consumes, at the same element."""
@@ -120,6 +141,26 @@ class Contractible:
         value = negate(copy(fills.value)) if isinstance(fills.op, Sub) else copy(fills.value)
         first.body = [at(assign(copy(fills.target), value), s) if s is fills else s for s in first.body]
         second.body = [s for s in second.body if s is not clears]
+
+
+def _changed_nests(block: list[AST], extents: IterationSpaces, change: Callable[[Nest], None]) -> list[AST]:
+    """A block with each nest in it, as large as it is, changed."""
+    made: list[AST] = []
+    for statement in block:
+        nest = perfect_nest(statement, extents)
+        if nest is not None:
+            change(nest)
+        made.append(nest.with_body(nest.body) if nest is not None else with_blocks(
+            statement, lambda inner: _changed_nests(inner, extents, change)))
+    return made
+
+
+def _fills_first(array: str, nest: Nest) -> bool:
+    """Whether a nest mentions one element of an array in each iteration, and always stores into it first."""
+    places = _references(array, nest.body)
+    first = next(s for s in nest.body if _references(array, [s]))
+    return _is_fill(first, array) and len({dump(p.slice) for p in places}) == 1 and not bound_names(
+        nest.body) & set(names(places[0].slice))
 
 
 def _of_numpy(node: AST) -> AST | None:

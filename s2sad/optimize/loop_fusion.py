@@ -21,25 +21,25 @@ in its adjoint:
 *Requires* a finished derivative for Numba (`primal_contraction` fuses nests of a kernel). *Establishes* the same values
 with one pass through memory; `array_contraction` then contracts what nothing else reads. Fusion is legal where an array
 that one nest writes is referenced by the other at the element of the same iteration only, or in a row of another
-number, and no scalar flows between iterations, except sums whose order is free; and where the first nest may move
-behind what is between them. (Kennedy, McKinley, 1993.)
+number, which loops around may count, and no scalar flows between iterations, except sums whose order is free; and where
+the first nest may move behind what is between them. (Kennedy, McKinley, 1993.)
 """
 from __future__ import annotations
 
 from collections.abc import Mapping, Set
-from s2sad.liveness import base_name, targets
+from s2sad.liveness import base_name
 from s2sad.blocks import with_blocks
 from s2sad.infer.types import Type
 from s2sad.naming import Names
 from s2sad.simplify.algebra import add_constant, simplify_index
 from s2sad.optimize.loop_bounds import are_apart, bound_names, counted_loop, counter_offset, stored_elements
 from s2sad.optimize.iteration_spaces import IterationSpaces
-from s2sad.optimize.loop_nests import Nest, perfect_nest
+from s2sad.optimize.loop_nests import Nest, least_inside, perfect_nest
 from s2sad.optimize.array_contraction import Mentions, Contractible
-from s2sad.optimize.statement_order import may_move_behind
+from s2sad.optimize.statement_order import is_accumulator, may_move_behind, upward_exposed
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
-    AST, Add, Assert, Assign, AugAssign, Break, FunctionDef, If, Name, Return, Sub, Subscript,
+    AST, Assert, Assign, AugAssign, Break, FunctionDef, Name, Return, Subscript,
     copy, dump, indices, is_comment, name, names, rebuild, walk, walk_statements, with_body,
 )
 
@@ -59,9 +59,9 @@ def fused(function: FunctionDef, sums: Set[str], types: Mapping[str, Type], free
     """The function with its nests joined; `sums` are numbers whose gains come in any order, `writing`
     the functions that write arrays."""
     extents = IterationSpaces(function, writing)
-    fusion = LoopFusion(extents, sums, Contractible(function, extents, types, free, finished=True),
-                        given={p.id for p in function.args.args})
-    return with_body(function, fusion.block(function.body))
+    between = Contractible(function, extents, types, free, finished=True)
+    fusion = LoopFusion(extents, sums, between, given={p.id for p in function.args.args})
+    return between.contract_apart(with_body(function, fusion.block(function.body)), extents)
 
 
 class LoopFusion:
@@ -75,11 +75,13 @@ class LoopFusion:
         self.asserted: dict[tuple[str, ...],
                             list[Assert]] = {}   # what every iteration has asserted, by the loops around
         self.enclosing: tuple[str, ...] | None = ()                # their bounds; None inside of a branch
+        self.least: dict[str, int] = {}                            # lower bounds of the counters around
 
     def nested(self, statement: AST) -> AST:
         """A statement with its blocks fused. A loop that runs only if another one has run may rely on that one's
         assertions, since sizes do not change."""
         bounds, outer, known = counted_loop(statement), self.enclosing, dict(self.extents.equal)
+        least, self.least = self.least, least_inside(statement, self.least)
         fixed = bounds is not None and all(
             self.extents.form(b) is not None for b in (bounds.start, bounds.stop)) and not any(
             isinstance(n, (Break, Return)) for n in walk_statements(statement))
@@ -89,7 +91,7 @@ class LoopFusion:
         new = with_blocks(statement, self.block)
         if self.enclosing:
             self.asserted.setdefault(self.enclosing, []).extend(s for s in statement.body if isinstance(s, Assert))
-        self.extents.equal, self.enclosing = known, outer
+        self.extents.equal, self.enclosing, self.least = known, outer, least
         return new
 
     def block(self, block: list[AST]) -> list[AST]:
@@ -134,7 +136,7 @@ class LoopFusion:
         else:
             given, body = first.body, _with_counters_of(first, second)
         if given is None or body is None or not self.is_legal(first, body) or _alias_pairs(
-                [*first.body, *body], self.given) > _MOST_PAIRS:
+                [*first.body, *body], self.given, first.counters[-1]) > _MOST_PAIRS:
             return None
         if self.only_producers and not self.between.is_produced_for(first.body, body):
             return None
@@ -162,9 +164,10 @@ class LoopFusion:
             return Mentions([*first.body, *body]).only_by_elements(array)
         stores = {id(t) for t in stored_elements([*first.body, *body])}
         bound = bound_names(first.body) | bound_names(body)
+        around = {c: k for c, k in self.least.items() if c not in first.counters}   # the same in all iterations
         both = [(a, b) for a in places[0] for b in places[1] if id(a) in stores or id(b) in stores]
         return Mentions([*first.body, *body]).only_by_elements(array) and all(
-            are_apart(a, b, {}) or dump(a.slice) == dump(b.slice) and not bound & set(names(a.slice)) and set(
+            are_apart(a, b, around) or dump(a.slice) == dump(b.slice) and not bound & set(names(a.slice)) and set(
                 first.counters) <= {c for s in indices(a) for c in first.counters if counter_offset(s, c) is not None}
             for a, b in both)
 
@@ -189,42 +192,15 @@ def _subscripted_arrays(body: list[AST]) -> set[str]:
     return {base_name(n) for n in walk(body) if isinstance(n, Subscript) and isinstance(n.value, Name)}
 
 
-def upward_exposed(body: list[AST]) -> set[str]:
-    """The names that a body may read before it binds them."""
-    found: set[str] = set()
-    sure: set[str] = set()
-
-    def visit(block: list[AST], always: bool) -> None:
-        for statement in block:
-            if isinstance(statement, If):
-                found.update(set(names(statement.test)) - sure)
-                visit(statement.body, False)
-                visit(statement.orelse, False)
-            elif isinstance(statement, (Assign, AugAssign)):
-                read = set(names(statement.value))
-                for target in targets(statement):
-                    read |= set(names(target)) if isinstance(target, Subscript) else {target.id} if isinstance(
-                        statement, AugAssign) else set()
-                found.update(read - sure)
-                if always:
-                    sure.update(t.id for t in targets(statement) if isinstance(t, Name))
-    visit(body, True)
-    return found
-
-
-def is_accumulator(identifier: str, body: list[AST]) -> bool:
-    """Whether a body only increments a number."""
-    increments = sum(isinstance(s, AugAssign) and isinstance(s.op, (Add, Sub)) and isinstance(s.target, Name)
-                and s.target.id == identifier for s in walk_statements(body))
-    return increments == sum(isinstance(n, Name) and n.id == identifier for n in walk(body))
-
-
-def _alias_pairs(body: list[AST], given: Set[str]) -> int:
+def _alias_pairs(body: list[AST], given: Set[str], counter: str) -> int:
     """How many pairs of arrays the compiler's run-time alias test compares before the vectorized loop: of those that
-    the function makes itself."""
-    written = {base_name(t) for t in stored_elements(body)} - given
+    the function makes itself. A loop that stores along columns has no vectors, and no test."""
+    stored = stored_elements(body)
+    if any(counter in names(indices(t)[:-1]) for t in stored):
+        return 0
+    written = {base_name(t) for t in stored} - given
     others = _subscripted_arrays(body) - written - given
     return len(written) * (len(written) - 1) // 2 + len(written) * len(others)
 
 
-__all__ = ["LoopFusion", "fused", "is_accumulator", "loop_fusion", "upward_exposed"]
+__all__ = ["LoopFusion", "fused", "loop_fusion"]

@@ -38,11 +38,30 @@ in its adjoint:
                                                             for j in range(a.shape[1]):
                 a_bar[i, j] += seed * q[i]                      a_bar[i, j] += seed_row[j] * q[i]
 
+Where neither loop is the innermost one, the outer one goes into the other if it stands behind that in the subscripts:
+
+    def f(c: float64[:, :, :]):
+        for k in range(1, c.shape[2]):
+            for i in range(c.shape[0]):
+                for j in range(c.shape[1]):
+                    c[i, j, k] *= c[i, j, k - 1]
+
+in its adjoint:
+
+    def f_adjoint(...):                                     def f_adjoint(...):
+        ...                                                     ...
+        for k in range(c.shape[2] - 1, 0, -1):                  for i in range(c.shape[0]):
+            for i in range(c.shape[0]):                             for k in range(c.shape[2] - 1, 0, -1):
+                for j in range(c.shape[1]):                             for j in range(c.shape[1]):
+                    ...                                                     ...
+
 *Requires* a finished adjoint for Numba. *Establishes* the same values, sums in another order. Legal where iterations of
 the outer loop share nothing but increments of shadows, and sums whose order is free: its counter stands in one
 subscript of all references to an array that is stored into, no bound changes on the way, and no number flows between
 iterations. (Where one is built on the last, the inner loop would be a chain.) Taken where fewer references then have
-the inner counter in a subscript before the last. (Allen, Kennedy, PLDI 1984; Kennedy, McKinley, SC 1990.)
+the inner counter in a subscript before the last. Where the innermost loop stays, the iterations of either of the two
+may be the ones that share nothing; what one of them walks then stays in the cache while the other runs. (Allen,
+Kennedy, PLDI 1984; Kennedy, McKinley, SC 1990.)
 """
 from __future__ import annotations
 
@@ -58,17 +77,17 @@ from s2sad.optimize.loop_bounds import (
     CountedLoop, bound_names, counted_loop, counter_offset, is_loop_free, is_nonnegative, stored_elements,
 )
 from s2sad.optimize.loop_nests import LoopPass
-from s2sad.optimize.loop_fusion import is_accumulator, upward_exposed
+from s2sad.optimize.statement_order import (
+    is_accumulator, is_incremented, is_short, is_transposed, may_change_places, numbers_stay, stands_behind, strides,
+    upward_exposed,
+)
 from s2sad.simplify.context import DerivativeContext
 from s2sad.tree import (
-    AST, Add, Assert, Assign, Attribute, AugAssign, Constant, For, FunctionDef, Name, Sub, Subscript, assign, at,
-    augment, call, copy, index, indices, is_comment, name, names, rebuild, walk, walk_statements,
-    with_body,
+    AST, Assert, Assign, Attribute, AugAssign, Constant, For, FunctionDef, Name, Subscript, assign, at, augment, call,
+    copy, index, indices, is_comment, name, names, rebuild, walk, walk_statements, with_body,
 )
 
 CHANGES_ROUNDING = True
-
-_SHORT = 8      # iterations that are not worth a loop of their own
 
 
 def loop_interchange(function: FunctionDef, context: DerivativeContext) -> FunctionDef:
@@ -121,8 +140,10 @@ class _Interchange(LoopPass):
     def loop(self, loop: For, least: Mapping[str, int]) -> list[AST]:
         """The loop, or what takes its place."""
         outer = counted_loop(loop)
-        if outer is None or _is_short(outer):
+        if outer is None or is_short(outer):
             return [loop]
+        if self.is_wanted_within(loop, outer, least):
+            return [self.made(loop, _Part(loop.body, loop.body[0]))]
         parts = self.parts(loop, outer, least)
         inner = [p.inner for p in parts if p.inner]
         if not inner or len(parts) > 1 and not self.is_distributable(loop, outer, parts, least):
@@ -153,14 +174,24 @@ class _Interchange(LoopPass):
         """Whether an inner loop may change places with the one around it, and should."""
         inner, body = counted_loop(loop), loop.body
         return (inner is not None and is_loop_free(body, self.writing)
-                and _strides(body, outer.counter) < _strides(body, inner.counter)
-                and _may_change_places(outer, inner, around.body) and _numbers_stay(body, self.sums)
+                and strides(body, outer.counter) < strides(body, inner.counter)
+                and may_change_places(outer, inner, around.body) and numbers_stay(body, self.sums)
                 and all(self.is_free(a, outer, body, least) for a in {base_name(t) for t in stored_elements(body)}))
+
+    def is_wanted_within(self, loop: For, outer: CountedLoop, least: Mapping[str, int]) -> bool:
+        """Whether a loop may go into the one that it consists of, in which there is another one, and should."""
+        loops, body = _nest(loop)
+        inner = counted_loop(loops[1]) if len(loops) > 2 else None
+        return (inner is not None and all(map(counted_loop, loops)) and is_loop_free(body, self.writing)
+                and stands_behind(outer.counter, inner.counter, body)
+                and all(may_change_places(outer, b, body) for b in map(counted_loop, loops[1:]) if b)
+                and numbers_stay(body, self.sums)
+                and all(self.is_apart(a, inner, body, least) for a in {base_name(t) for t in stored_elements(body)}))
 
     def is_free(self, array: str, loop: CountedLoop, body: list[AST], least: Mapping[str, int]) -> bool:
         """Whether what the iterations do with an array may be done in any order."""
         return self.is_apart(array, loop, body, least) or array in self.shadows and array in self.own and (
-            _is_incremented(array, body))
+            is_incremented(array, body))
 
     def is_apart(self, array: str, loop: CountedLoop, body: list[AST], least: Mapping[str, int]) -> bool:
         """Whether no two iterations of a loop mention the same element of an array: it is mentioned by elements alone,
@@ -168,7 +199,7 @@ class _Interchange(LoopPass):
         found = [indices(n) for n in walk(body) if isinstance(n, Subscript) and base_name(n) == array]
         ends = loop.ends()
         rank = self.types[array].rank if array in self.types else 0
-        if array not in self.own or ends is None or not Mentions(body).only_by_elements(array) or _is_transposed(
+        if array not in self.own or ends is None or not Mentions(body).only_by_elements(array) or is_transposed(
                 array, body) or any(len(s) != rank or not all(map(self.is_of_axis, s)) for s in found):
             return False
         shifts = [{counter_offset(subscripts[axis], loop.counter) for subscripts in found} for axis in range(rank)]
@@ -237,6 +268,15 @@ class _Interchange(LoopPass):
                     reader.read(n, element)
 
 
+def _nest(loop: For) -> tuple[list[For], list[AST]]:
+    """The loops of a perfect nest, and its body."""
+    loops, body = [loop], loop.body
+    while len(body) == 1 and isinstance(body[0], For):
+        loops.append(body[0])
+        body = body[0].body
+    return loops, body
+
+
 def _exposed(block: list[AST]) -> set[str]:
     """The names that a block may read before it binds them, loops within it, too."""
     found: set[str] = set()
@@ -260,49 +300,6 @@ def _is_of_sizes(test: AST) -> bool:
     """Whether an assertion says the same in every iteration, and whatever has been done before it."""
     sizes = {id(n.value) for n in walk(test) if isinstance(n, Attribute) and n.attr in ("shape", "size")}
     return all(id(n) in sizes or "." in n.id for n in walk(test) if isinstance(n, Name))
-
-
-def _is_incremented(array: str, body: list[AST]) -> bool:
-    """Whether a body does nothing with an array but increment its elements and ask for its size."""
-    increments = sum(isinstance(s, AugAssign) and isinstance(s.op, (Add, Sub)) and isinstance(s.target, Subscript)
-                     and base_name(s.target) == array for s in walk_statements(body))
-    sizes = sum(isinstance(n, Attribute) and base_name(n.value) == array for n in walk(body))
-    return increments + sizes == sum(isinstance(n, Name) and n.id == array for n in walk(body)) and not _is_transposed(
-        array, body)
-
-
-def _is_transposed(array: str, body: list[AST]) -> bool:
-    """Whether a body has an array's axes in another order."""
-    return any(isinstance(n, Attribute) and base_name(n.value) == array and n.attr not in ("shape", "size")
-               for n in walk(body))
-
-
-def _strides(body: list[AST], counter: str) -> int:
-    """How many references have a counter in another subscript than the last."""
-    return sum(counter in names(indices(n)[:-1]) for n in walk(body) if isinstance(n, Subscript))
-
-
-def _is_short(loop: CountedLoop) -> bool:
-    ends = loop.ends()
-    return ends is not None and not (trips := ends[1].plus(ends[0], -1)).terms and trips.constant + 1 < _SHORT
-
-
-def _may_change_places(outer: CountedLoop, inner: CountedLoop, body: list[AST]) -> bool:
-    """Whether the bounds of either loop are the same in every iteration of the other, and there where it has none."""
-    bounds = [outer.start, outer.stop, inner.start, inner.stop]
-    if any(isinstance(n, Subscript) and not isinstance(n.value, Attribute) for n in walk(bounds)):
-        return False        # an element that need not be there
-    sizes = {id(n.value) for n in walk(bounds) if isinstance(n, Attribute)}
-    read = {n.id for n in walk(bounds) if isinstance(n, Name) and id(n) not in sizes}
-    changed = {outer.counter, inner.counter, *bound_names(body), *(base_name(t) for t in stored_elements(body))}
-    return outer.counter != inner.counter and not read & changed
-
-
-def _numbers_stay(body: list[AST], sums: Set[str]) -> bool:
-    """Whether each number that is bound is so in every iteration before it is read, or is a sum in free order."""
-    flowing = upward_exposed(body) & bound_names(body)
-    always = bound_names([s for s in body if isinstance(s, (Assign, AugAssign))])
-    return bound_names(body) <= always and all(n in sums and is_accumulator(n, body) for n in flowing)
 
 
 __all__ = ["loop_interchange"]

@@ -79,10 +79,16 @@ class LoopPass(ABC):
 
     def with_inner_blocks(self, statement: AST, least: Mapping[str, int]) -> AST:
         """A statement with its blocks transformed."""
-        inside, bound = dict(least), set(stored_names(statement))
-        if isinstance(statement, For):
-            inside.pop(statement.target.id, None)
-            ends = bounds.ends() if (bounds := counted_loop(statement)) else None
-            first = least_value(ends[0], least) if ends else None
-            inside |= {statement.target.id: first} if first is not None else {}
+        inside, bound = least_inside(statement, least), set(stored_names(statement))
         return with_blocks(statement, lambda block: self.block(block, inside, bound))
+
+
+def least_inside(statement: AST, least: Mapping[str, int]) -> dict[str, int]:
+    """The lower bounds of the counters around the blocks of a statement, given those around it."""
+    inside = dict(least)
+    if isinstance(statement, For):
+        inside.pop(statement.target.id, None)
+        ends = bounds.ends() if (bounds := counted_loop(statement)) else None
+        first = least_value(ends[0], least) if ends else None
+        inside |= {statement.target.id: first} if first is not None else {}
+    return inside

@@ -168,6 +168,55 @@ def f(u, v):
     for i in range(v.shape[0]):
         u[i, 1] = 2.0
 """),
+    "the column before, of a loop around that begins behind the first": (2, """
+def f(u, v, n):
+    for k in range(1, n):
+        for i in range(v.shape[0]):
+            u[i, k] = v[i]
+        for i in range(v.shape[0]):
+            v[i] = u[i, k - 1]
+"""),
+    "the column before, of a loop around that goes down": (2, """
+def f(u, v, n):
+    for k in range(n - 1, 0, -1):
+        for i in range(v.shape[0]):
+            u[i, k] = v[i]
+        for i in range(v.shape[0]):
+            v[i] = u[i, k - 1]
+"""),
+    "the column before, which may be the last": (3, """
+def f(u, v, n):
+    for k in range(n):
+        for i in range(v.shape[0]):
+            u[i, k] = v[i]
+        for i in range(v.shape[0]):
+            v[i] = u[i, k - 1]
+"""),
+    "the column before, of a counter that the loop around changes": (3, """
+def f(u, v, n):
+    for k in range(1, n):
+        k = k - 1
+        for i in range(v.shape[0]):
+            u[i, k] = v[i]
+        for i in range(v.shape[0]):
+            v[i] = u[i, k - 1]
+"""),
+    "the column before, of another column": (3, """
+def f(u, v, n, m):
+    for k in range(1, n):
+        for i in range(v.shape[0]):
+            u[i, k] = v[i]
+        for i in range(v.shape[0]):
+            v[i] = u[i, m]
+"""),
+    "the element before, of a loop around with the same counter": (3, """
+def f(u, v, n):
+    for i in range(1, n):
+        for i in range(1, v.shape[0]):
+            u[i] = v[i]
+        for i in range(1, v.shape[0]):
+            v[i] = u[i - 1]
+"""),
     "what has nothing to do with them in between": (3, """
 def f(u, v, w, y):
     for i in range(u.shape[0]):
@@ -257,6 +306,18 @@ def test_what_is_joined(kind):
     loops, text = PARTS[kind]
     made = fused(rename(statements(text)[0], TAKEN), set(), {}, Names(set()))
     assert sum(isinstance(n, For) for n in walk(made)) == loops, layout.text(made, SPELLING)
+
+
+@pytest.mark.parametrize("store, loops", [("{0}[j]", 4), ("{0}[0, j]", 4), ("{0}[j, 0]", 2)])
+def test_how_many_arrays_meet_in_a_loop_with_vectors(store, loops):
+    """Arrays of the function's own: in one loop they would be too many for the test whether they overlap, which a loop
+    that stores along columns does not have."""
+    arrays = [f"w{k}" for k in range(12)]
+    text = "\n".join(["def f(u, n):", *(f"    {w} = empty((n, n))" for w in arrays), *(line for half in (
+        arrays[:6], arrays[6:]) for line in ("    for i in range(n):", "        for j in range(n):", *(
+            f"            {store.format(w)} = u[i, j]" for w in half)))])
+    made = fused(rename(statements(text)[0], TAKEN), set(), {}, Names(set()))
+    assert sum(isinstance(n, For) for n in walk(made)) == loops
 
 
 def test_what_an_earlier_loop_has_asserted():

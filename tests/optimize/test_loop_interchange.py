@@ -1,13 +1,15 @@
 """Loops that are distributed so that an inner one can change places, and loops that have to stay one."""
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 from s2sad.report.measured_call import MeasuredCall
 from tests.corpus import Case
 from tests.corpus.loops import loop_interchange
-from tests.corpus.loops.loop_interchange import DISTRIBUTED, TOGETHER
+from tests.corpus.loops.loop_interchange import DISTRIBUTED, MOVED, STAYING, TOGETHER, until_a_number_of_rows
 from tests.harness.engines import running
 
 CASES = {case.kernel: case for case in reversed([*loop_interchange.cases()])}     # the first of each
@@ -28,6 +30,22 @@ def test_what_iterations_do_not_share(kernel):
 @pytest.mark.parametrize("kernel", TOGETHER)
 def test_what_iterations_share(kernel):
     assert ROW not in adjoint(CASES[kernel])
+
+
+def order(kernel) -> set[str]:
+    """Which counter of two loops around the innermost one comes first, in all nests of the adjoint."""
+    return {"".join(pair) for pair in re.findall(r"for ([ki]) in .*:\n *for ([ki]) in .*:\n *for j in ",
+                                                 adjoint(CASES[kernel]))}
+
+
+@pytest.mark.parametrize("kernel", MOVED)
+def test_a_loop_that_goes_into_the_next_one(kernel):
+    assert order(kernel) == {"ik"}
+
+
+@pytest.mark.parametrize("kernel", [*STAYING, until_a_number_of_rows])
+def test_a_loop_that_stays_around_the_next_one(kernel):
+    assert "ki" in order(kernel)
 
 
 def columns(a, c, n):

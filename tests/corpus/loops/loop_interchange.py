@@ -170,6 +170,110 @@ def without_rows(c, a, n):
         a[1, j] = a[1, j] * r
 
 
+# -- an outer loop that goes into the next one ----------------------------------------------------------------------
+
+def sweep_of_levels(c, a):
+    # each column of cells is a chain of its own
+    for k in range(1, c.shape[2]):
+        for i in range(c.shape[0]):
+            for j in range(c.shape[1]):
+                c[i, j, k] = c[i, j, k] * a[i, j, k] + 0.5 * c[i, j, k - 1] * c[i, j, k - 1]
+
+
+def two_sweeps(c, a):
+    for k in range(1, c.shape[2]):
+        for i in range(c.shape[0]):
+            for j in range(c.shape[1]):
+                c[i, j, k] = c[i, j, k] - 0.3 * a[i, j, k] * c[i, j, k - 1]
+    for k in range(c.shape[2] - 2, -1, -1):
+        for i in range(c.shape[0]):
+            for j in range(c.shape[1]):
+                c[i, j, k] = c[i, j, k] * (1.0 + 0.1 * a[i, j, k] * c[i, j, k + 1])
+
+
+def sum_of_levels(c, a):
+    total = 0.0
+    for k in range(1, c.shape[2]):
+        for i in range(c.shape[0]):
+            for j in range(c.shape[1]):
+                c[i, j, k] = c[i, j, k] * c[i, j, k - 1]
+                total += c[i, j, k] * a[i, j, k]
+    return total
+
+
+def from_the_row_before(c, a):
+    # what a row needs of the one before is of the level before
+    for k in range(1, c.shape[2]):
+        for i in range(1, c.shape[0]):
+            for j in range(c.shape[1]):
+                c[i, j, k] = c[i, j, k] * a[i, j, k] + 0.5 * c[i - 1, j, k - 1] ** 2
+
+
+def from_the_row_behind(c, a):
+    for k in range(1, c.shape[2]):
+        for i in range(c.shape[0] - 1):
+            for j in range(c.shape[1]):
+                c[i, j, k] = c[i, j, k] * a[i, j, k] + 0.5 * c[i + 1, j, k - 1] ** 2
+
+
+def from_the_first_row(c, a):
+    for k in range(1, c.shape[2]):
+        for i in range(c.shape[0]):
+            for j in range(c.shape[1]):
+                c[i, j, k] = c[i, j, k] * a[i, j, k] + 0.5 * c[0, j, k - 1] ** 2
+
+
+def from_the_last_row(c, a):
+    # counted from the end, the row before the first is the last one
+    for k in range(1, c.shape[2]):
+        for i in range(c.shape[0] + 1):
+            for j in range(c.shape[1]):
+                c[i - 1, j, k] = 0.7 * c[i - 1, j, k] * a[i - 1, j, k] + 0.2 * c[i - 1, j, k - 1] ** 2
+
+
+def triangle_of_levels(c, a):
+    for k in range(1, c.shape[2]):
+        for i in range(k, c.shape[0]):
+            for j in range(c.shape[1]):
+                c[i, j, k] = 0.5 * c[i, j, k] + 0.3 * c[i, j, k - 1] + a[i, j, k] ** 2
+
+
+def number_from_cell_to_cell(c, a):
+    s = 0.25
+    for k in range(1, c.shape[2]):
+        for i in range(c.shape[0]):
+            for j in range(c.shape[1]):
+                s = 0.5 * s + c[i, j, k] * a[i, j, k]
+                c[i, j, k] = c[i, j, k - 1] * s
+    return s
+
+
+def levels_first(c, a):
+    # the array lies so that the loops are right as they are
+    for k in range(1, c.shape[0]):
+        for i in range(c.shape[1]):
+            for j in range(c.shape[2]):
+                c[k, i, j] = c[k, i, j] * a[k, i, j] * c[k - 1, i, j]
+
+
+def with_an_array_of_levels(c, a):
+    # all rows read one element of a level
+    for k in range(1, c.shape[2]):
+        for i in range(c.shape[0]):
+            for j in range(c.shape[1]):
+                c[i, j, k] = c[i, j, k] * a[0, j, k] * c[i, j, k - 1]
+
+
+def until_a_number_of_rows(c, a, rows):
+    for k in range(1, c.shape[2]):
+        for i in range(rows[0]):
+            for j in range(c.shape[1]):
+                c[i, j, k] = 0.5 * c[i, j, k] + 0.3 * c[i, j, k - 1] + a[i, j, k] ** 2
+
+
+MOVED = (sweep_of_levels, two_sweeps, sum_of_levels)
+STAYING = (from_the_row_before, from_the_row_behind, from_the_first_row, from_the_last_row, triangle_of_levels,
+           number_from_cell_to_cell, levels_first, with_an_array_of_levels)
 DISTRIBUTED = (products_of_columns, symmetric)
 TOGETHER = (orthogonal, numbered_column, handed_on_twice, last_of_a_column, next_column, on_one_way,
             from_the_last_column, read_and_summed)
@@ -195,6 +299,12 @@ def cases():
         for columns in (9, 1) if kernel is orthogonal else (9,):
             of = {products_of_columns: ("return",), handed_on_twice: ("c", "a"), read_and_summed: ("c", "a")}
             yield Case(kernel, (some(9), some(9, columns)), ("c", "a"), of.get(kernel, ("a",)))
+    for kernel in (*MOVED, *STAYING):
+        of = ("c", "return") if kernel in (sum_of_levels, number_from_cell_to_cell) else ("c",)
+        yield Case(kernel, (some(9, 4, 9), some(9, 4, 9)), ("c", "a"), of)
+    yield Case(two_sweeps, (some(3, 0, 9), some(3, 0, 9)), ("c", "a"), ("c",))
+    for rows in (0, 4):
+        yield Case(until_a_number_of_rows, (some(4, 2, 9), some(4, 2, 9), np.array([rows])), ("c", "a"), ("c",))
     for n in (0, 9):
         yield Case(without_rows, (some(9), some(9, 9), n), ("c", "a"), ("a",))
     narrow = some(9).astype(np.float32), some(9, 9).astype(np.float32)
