@@ -33,12 +33,15 @@ from s2sad.optimize.iteration_spaces import IterationSpaces
 from s2sad.optimize.loop_nests import Nest, perfect_nest
 from s2sad.simplify.initialize_accumulators import clears_element
 from s2sad.tree import (
-    AST, Assign, Attribute, AugAssign, Call, Constant, FunctionDef, If, IfExp, Name, Sub, Subscript, assign, at,
-    augment, call, call_name, const, copy, dump, indices, name, names, negate, rebuild, walk, with_body,
+    AST, Assign, Attribute, AugAssign, BinOp, Call, Constant, FunctionDef, If, IfExp, Name, Sub, Subscript, UnaryOp,
+    assign, at, augment, call, call_name, const, copy, dump, indices, name, names, negate, rebuild, walk, with_body,
 )
 
 _LIKE = {"numpy.empty_like", "numpy.zeros_like"}
 _ALLOCATORS = {"numpy.empty", "numpy.zeros"} | _LIKE
+# functions that give doubles for doubles
+_DOUBLE = {f"numpy.{f}" for f in ("abs", "sign", "sqrt", "exp", "log", "sin", "cos", "tanh", "maximum", "minimum")} | {
+    "builtins.min", "builtins.max"}
 
 
 class Contractible:
@@ -126,7 +129,35 @@ class Contractible:
         def change(node: AST) -> AST | None:
             return name(here) if isinstance(node, Subscript) and base_name(node) == array else None
         nest.body = [at(assign(here, const(v)), using[0]) for v in before] + [
-            _with_scalar_target(rebuild(s, change)) if any(s is u for u in using) else s for s in body]
+            self.with_scalar_target(rebuild(s, change), here) if any(s is u for u in using) else s for s in body]
+
+    def with_scalar_target(self, statement: AST, here: str) -> AST:
+        """The statement as a binding of the scalar in place of a store of an element, which makes a float64 of it: an
+        integer has other powers, and none below 1."""
+        if isinstance(statement, If):
+            return with_blocks(statement, lambda block: [self.with_scalar_target(s, here) for s in block])
+        if isinstance(statement, AugAssign) and isinstance(statement.target, Name):
+            return at(augment(statement.target.id, statement.op, statement.value), statement)
+        if isinstance(statement, Assign) and isinstance(target := statement.targets[0], Name):
+            value = statement.value
+            return at(assign(target.id, value if target.id != here or self.is_double(value) else const(
+                float(value.value)) if isinstance(value, Constant) else call("numpy.float64", value)), statement)
+        return statement
+
+    def is_double(self, value: AST) -> bool:
+        """Whether a value is a float64 number for certain."""
+        if isinstance(value, Constant):
+            return type(value.value) is float
+        if isinstance(value, (Name, Subscript)):
+            base = base_name(value)
+            return base in self.numbers or base in self.types and self.types[base].dtype == "float64"
+        if isinstance(value, IfExp):
+            return self.is_double(value.body) and self.is_double(value.orelse)
+        if isinstance(value, UnaryOp):
+            return self.is_double(value.operand)
+        if isinstance(value, BinOp):
+            return self.is_double(value.left) or self.is_double(value.right)
+        return call_name(value) in _DOUBLE and all(map(self.is_double, value.args))
 
     def drop_clear(self, array: str, first: Nest, second: Nest, extents: IterationSpaces) -> None:
         """Makes the increment in the first nest a store, where the second nest clears the array."""
@@ -193,17 +224,6 @@ def _iteration_region(array: str, nest: Nest) -> list[tuple[int, int]] | None:
         if not walked:
             return None
     return found if sorted(k for k, _ in found) == list(range(len(nest.counters))) else None
-
-
-def _with_scalar_target(statement: AST) -> AST:
-    """The statement as a binding of the scalar in place of a store of an element."""
-    if isinstance(statement, If):
-        return with_blocks(statement, lambda block: list(map(_with_scalar_target, block)))
-    if isinstance(statement, AugAssign) and isinstance(statement.target, Name):
-        return at(augment(statement.target.id, statement.op, statement.value), statement)
-    if isinstance(statement, Assign) and isinstance(statement.targets[0], Name):
-        return at(assign(statement.targets[0].id, statement.value), statement)
-    return statement
 
 
 class Mentions:

@@ -6,12 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+import s2sad
 from s2sad.emit import layout
 from s2sad.infer.types import Type
 from s2sad.liveness import base_name
 from s2sad.naming import Names
 from s2sad.optimize.loop_fusion import fused
 from s2sad.tree import AST, Subscript, rename, statements, walk
+from tests.corpus.loops.array_contraction import of_flags, of_integers, of_one_integer
 from tests.harness.seeds import generator
 from tests.optimize.test_levels import SPELLING
 
@@ -177,3 +179,15 @@ def test_elements_of_another_type_stay():
     types = {"u": Type("array", "float64", rank=1), "v": Type("array", "float64", rank=1),
              "w": Type("array", "float32", rank=1), **NUMBERS}
     assert mentions(fused(rename(statements(text)[0], TAKEN), set(), types, Names({"u", "v", "w", *NUMBERS})))
+
+
+@pytest.mark.parametrize("kernel", [of_integers, of_one_integer, of_flags])
+def test_an_element_is_a_float_whatever_is_stored(kernel):
+    """Compiled, for a number that held an integer would have an integer's powers."""
+    rng = generator(5)
+    given = rng.random((4, 5)) + 0.5, rng.random((4, 5)) + 0.5
+    found = [s2sad.vjp(s2sad.differentiate(kernel, wrt=("u", "v"), of="v", engine=e), given, {"v": np.ones((4, 5))})
+             for e in ("numba", "numpy")]
+    for name in ("u", "v"):
+        np.testing.assert_allclose(found[0][name], found[1][name], rtol=1e-13)
+        assert np.all(found[0][name])

@@ -96,6 +96,57 @@ def scaled_twice(u, v):
     v += w
 
 
+def of_integers(u, v):
+    """What the array holds are floats, whatever is stored into it: integers have other powers."""
+    w = np.empty(u.shape[1])
+    for i in range(u.shape[0]):
+        for j in range(u.shape[1]):
+            w[j] = i + j + 1
+            if j == 2:
+                w[j] = 3
+            v[i, j] = v[i, j] * u[i, j] ** 2 * w[j] ** -1
+
+
+def of_one_integer(u, v):
+    w = np.empty_like(u)
+    w[...] = 3
+    v *= u * u * w ** -1
+
+
+def of_flags(u, v):
+    w = np.empty_like(u)
+    for i in range(u.shape[0]):
+        for j in range(u.shape[1]):
+            w[i, j] = u[i, j] > 0.8
+            v[i, j] *= u[i, j] * (w[i, j] + w[i, j] + 1.0)
+
+
+def filled_by_two_loops(u, v):
+    """Each of the loops fills the row before it reads it."""
+    w = np.empty(u.shape[1])
+    for i in range(u.shape[0]):
+        for j in range(w.shape[0]):
+            w[j] = np.sin(u[i, j]) * v[i, j]
+            v[i, j] = v[i, j] * w[j]
+    for i in range(u.shape[0] - 1, -1, -1):
+        for j in range(w.shape[0]):
+            w[j] = u[i, j] * v[i, j]
+            u[i, j] = w[j] * w[j]
+
+
+def left_by_the_first_loop(u, v):
+    """The second loop reads what the last iteration of the first has left."""
+    w = np.empty(u.shape[1])
+    for i in range(u.shape[0]):
+        for j in range(w.shape[0]):
+            w[j] = np.sin(u[i, j]) * v[i, j]
+            v[i, j] = v[i, j] * w[j]
+    for i in range(u.shape[0]):
+        for j in range(w.shape[0]):
+            u[i, j] = w[j] * v[i, j]
+            w[j] = u[i, j]
+
+
 def cases():
     yield Case(relaxed, (F, U, V, 0.3), ("f", "u", "v", "rate"), ("f",))
     yield Case(read_later, (U, V), ("u", "v"), ("v", "return"))
@@ -105,3 +156,7 @@ def cases():
     for kernel in (kept_between, in_loops, one_after_the_other, picked, scaled_twice, asserted_between):
         yield Case(kernel, (U, V), ("u", "v"), ("v",))
     yield Case(changed_between, (U, V, 0.7), ("u", "v", "a"), ("v",))
+    for kernel in (of_integers, of_one_integer, of_flags):
+        yield Case(kernel, (U, V), ("u", "v"), ("v",))
+    for kernel in (filled_by_two_loops, left_by_the_first_loop):
+        yield Case(kernel, (U, V), ("u", "v"), ("u", "v"))
