@@ -497,19 +497,12 @@ def cases():
                    backwards):
         yield Case(kernel, (X,), "x")
     for kernel in (least_with_a_first, added_to_itself, joined_again_and_again, pairs_joined,
-                   stacked_along_an_axis):
+                   stacked_along_an_axis, row_that_is_written, row_in_a_comprehension, part_that_changes,
+                   added_to_a_deque):
         yield Case(kernel, (X,), "x")
     for kernel in (parts, truth_of_lists, extended, arrays_of_a_list, row_with_a_name, row_that_is_copied):
         yield Case(kernel, (X,), "x")
     yield Case(row_many_times, (X,), "x", refused="S201 at `h.append(row)`: a list holds another list that is written, "
                "not a copy of it: append a copy: .append(list(w))")
-    for kernel, place in ((row_that_is_written, "h.append(row)"), (row_in_a_comprehension, "row")):
-        yield Case(kernel, (X,), "x", refused=f"S201 at `{place}`: a list that has a name is put into one of which "
-                   "only the run knows how long it becomes, and one of them may be written: put a copy there: list(w)")
     yield Case(grows_while_gone_through, (X,), "x", refused="S201 at `us`: a list that grows while it is gone through: "
                "write a while loop: while k < len(us)")
-    yield Case(part_that_changes, (X,), "x", refused="S201 at `h[:-1]`: a part of a list that changes while it is "
-               "gone through: allocate an array before and fill it in a for loop")
-    yield Case(added_to_a_deque, (X,), "x", refused=(
-        "S201 at `last.extend([v * 2.0 for v in x if v > 0.6])`: a list whose length is not known before the run holds "
-        "objects, or is added to a deque: append to the other one item by item"))

@@ -64,10 +64,11 @@ def _may_stay(ev: Evaluator, why: Unevaluated) -> bool:
 
 
 def _tells_more(ev: Evaluator, reason: Unevaluated, other: Unevaluated) -> bool:
-    """Which of two reasons is better acted on: a list that can be residual, facts that can be asked, a choice; of
-    reasons of which none is, the first one tells what is in the way."""
+    """Which of two reasons is better acted on: a list that can be residual, facts that can be asked, a choice,
+    rows of a table; of reasons of which none is, the first one tells what is in the way."""
     if ev.unrolls or other.site is None:
-        return bool(reason.demands) or not other.demands and (reason.site is not None or bool(reason.choice))
+        acts = reason.site is not None or bool(reason.choice or reason.objects - ev.object_sites)
+        return bool(reason.demands) or not other.demands and acts
     return False
 
 
@@ -288,10 +289,11 @@ def _bind_items(ev: Evaluator, target: Any, item: Value, own: Mapping[str, str],
         ev.heap.put(f.reference, target.id, replace(item, node=tree.at(tree.name(own[target.id]), target)))
     elif isinstance(target, tree.Name):
         ev.store(target, item, f)
-    elif isinstance(item, TupleValue):
-        if len(item.items) != len(target.elts):
-            raise ev.refusal(target, f"{len(target.elts)} targets for {len(item.items)} values", code="S203")
-        for t, i in zip(target.elts, item.items):
+    elif isinstance(item, (TupleValue, ResidualObject)):
+        items = ev.items_of(item, target, f)
+        if len(items) != len(target.elts):
+            raise ev.refusal(target, f"{len(target.elts)} targets for {len(items)} values", code="S203")
+        for t, i in zip(target.elts, items):
             _bind_items(ev, t, i, own, f)
     else:
         whole = ev.unpackable(item, "row", target, target, True)  # pyright: ignore[reportArgumentType]

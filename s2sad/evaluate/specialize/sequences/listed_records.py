@@ -151,6 +151,9 @@ def append_residual(ev: Evaluator, base: Data, value: Value, node: AST, f: Frame
 @operation
 def as_row(ev: Evaluator, rows: ListedRecords | None, value: Value, node: AST) -> Value:
     """What is put into such a list in place of an object: the tuple of what it holds; any other value is itself."""
+    if _is_none(value):
+        raise ev.refusal(node, "None is put into a list whose length only the run knows",
+                         help="keep a number that says the same: -1.0, or numpy.nan")
     is_text = _is_text_value(value)
     if not _has_records(ev, value) and not is_text:
         form: Any = ""
@@ -289,6 +292,10 @@ def _width(value: Value) -> int | None:
     return len(items) if isinstance(value, TupleValue) else getattr(value, "count", None) or 0
 
 
+def _is_none(value: Value) -> bool:
+    return isinstance(value, Data) and value.is_known and value.known is None
+
+
 def _is_text_value(value: Value) -> bool:
     """Whether a value is a text, or one of several."""
     if isinstance(value, Choice):
@@ -300,7 +307,7 @@ def _has_records(ev: Evaluator, value: Value) -> bool:
     """Whether a value is made of more than numbers and arrays."""
     if isinstance(value, TupleValue):
         return value.made is not None or any(
-            _is_text_value(i) or _has_records(ev, i) for i in value.items)
+            _is_none(i) or _is_text_value(i) or _has_records(ev, i) for i in value.items)
     return isinstance(value, ResidualObject) or isinstance(value, Reference) and (
         ev.heap[value].kind in ("record", "dict"))
 

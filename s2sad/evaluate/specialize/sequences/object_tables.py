@@ -18,11 +18,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from s2sad import tree
+from s2sad.evaluate.specialize.control.choices import is_structural
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sequences.listed_records import ListedRecords
-from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.values import (
     FACTORY, ClassValue, Data, Reference, ResidualObject, TupleValue, Value, alike,
 )
@@ -33,12 +33,12 @@ _KINDS = ("record", "dict", "list")
 
 @dataclass(eq=False)
 class ObjectTable:
-    """The objects of one make: by attribute, key or place the list of what they hold, or what all of them hold; those
-    that were made at `sites`."""
+    """The objects of one make: by attribute, key or place the list of what they hold, or what all of them hold; where
+    that is an object, it was made at one of the `sites`."""
     kind: str
     made: ClassValue | None
     columns: dict[Hashable, Value] = field(default_factory=dict)
-    sites: set[AST] = field(default_factory=set)
+    sites: dict[Hashable, Any] = field(default_factory=dict)
 
     @property
     def first(self) -> Data:
@@ -57,13 +57,12 @@ def as_residual(ev: Evaluator, value: Value, node: AST) -> Value:
         raise ev.refusal(node, f"{ev.kind_of(value)} is kept elsewhere before it is made, and put into a list whose "
                          "length only the run knows", help="put it there behind its __init__")
     table = _table(ev, held, node)
-    table.sites.add(node)
     for key, item in held.items.items():
         column = table.columns[key]
-        if isinstance(column, Data) and column.is_list:
+        if isinstance(column, Data) and column.is_list and not is_structural(item):
             ev.append_residual(column, item, node)
-        elif not _is_shared(ev, column, item):
-            raise _differs(ev, held, key, (column, item), node)
+        elif not alike(column, item):
+            raise _differs(ev, table, key, item, node)
     last = tree.BinOp(tree.call("len", tree.copy(table.first.node)), tree.Sub(), tree.const(1))
     del ev.heap.objects[value.number]
     return ResidualObject(ev.named(Data(tree.at(last, node), shape=()), held.label or _title(held), node), table)
@@ -77,6 +76,7 @@ def _table(ev: Evaluator, held: Object, node: AST) -> ObjectTable:
         table = ev.object_tables[make] = ObjectTable(held.kind, held.made)
         for key, item in held.items.items():
             table.columns[key] = item if _stays(ev, item, node) else _column(f"{_title(held)}_{key}")
+            table.sites[key] = ev.heap[item].site if isinstance(item, Reference) else None
         if not any(isinstance(c, Data) and c.is_list for c in table.columns.values()):
             raise ev.refusal(node, f"{_said(held)}, which holds no numbers and no arrays, is put into a list whose "
                              "length only the run knows", help="give it a number: self.number = k")
@@ -92,7 +92,7 @@ def _title(held: Object) -> str:
     return held.made.name.lower() if held.made is not None else held.kind
 
 
-def _said(held: Object) -> str:
+def _said(held: Object | ObjectTable) -> str:
     return f"an object of class {held.made.name}" if held.made is not None else f"a {held.kind}"
 
 
@@ -101,35 +101,27 @@ def _stays(ev: Evaluator, item: Value, node: AST) -> bool:
     if isinstance(item, (TupleValue, ResidualObject)):
         return False
     if isinstance(item, Data):
-        return item.is_known and (item.known is None or isinstance(item.known, str))
+        return is_structural(item)
     if isinstance(item, Reference):
         loop = next((one for one in ev.loops if not isinstance(one, tuple)), None)
         if loop is not None and item.number not in loop.start:
-            raise _asked(ev, [ev.heap[item]], f"{ev.kind_of(item)} that each round of a loop makes", node)
+            raise _asked(ev, {ev.heap[item].site}, f"{ev.kind_of(item)} that each round of a loop makes", node)
     return True
 
 
-def _is_shared(ev: Evaluator, column: Value, item: Value) -> bool:
-    """Whether an object holds what all of its table do."""
-    gone = isinstance(column, Reference) and column.number not in ev.heap.objects
-    return alike(column, item) or gone and isinstance(item, Reference)
-
-
-def _differs(ev: Evaluator, held: Object, key: Hashable, values: tuple[Value, Value], node: AST) -> Exception:
-    what = f"'{key}' of {_said(held)}, of which only the run knows which is which,"
-    objects = [ev.heap[v] for v in values if isinstance(v, Reference)]
-    if len(objects) == len(values):
-        return _asked(ev, objects, f"{what} is another object for each", node)
+def _differs(ev: Evaluator, table: ObjectTable, key: Hashable, item: Value, node: AST) -> Exception:
+    """What is said of an object that does not hold what all of its table do."""
+    what = f"'{key}' of {_said(table)}, of which only the run knows which is which,"
+    if isinstance(table.columns[key], Reference) and isinstance(item, Reference):
+        return _asked(ev, {table.sites[key], ev.heap[item].site}, f"{what} is another object for each", node)
     return ev.refusal(node, f"{what} is something else for each, and no number and no array",
                       help="keep a number that says the same, and compare that")
 
 
-def _asked(ev: Evaluator, objects: list[Object], said: str, node: AST) -> Unevaluated:
-    """Asks for objects that are rows of tables, too, where their places are known."""
-    sites = frozenset(id(held.site) for held in objects if held.site is not None)
-    ev.held += [held.site for held in objects]
-    return Unevaluated(ev.refusal(node, f"{said} is put into a list whose length only the run knows",
-                                  help="make it where the object is made"), objects=sites)
+def _asked(ev: Evaluator, sites: set[Any], said: str, node: AST) -> Exception:
+    """Asks for objects that are rows of tables, too."""
+    return ev.rows_wanted(sites, ev.refusal(node, f"{said} is put into a list whose length only the run knows",
+                                            help="make it where the object is made"))
 
 
 # -- what an object holds ----------------------------------------------------------------------------------------------
@@ -172,7 +164,7 @@ def picked_residual(ev: Evaluator, base: ResidualObject, place: Value, node: AST
 @operation
 def store_residual(ev: Evaluator, base: ResidualObject, key: Any, value: Value, node: AST, f: Frame) -> None:
     """`base.key = value`, or `base[key] = value`."""
-    if (place := residual_place(ev, base, key, node)) is not None:
+    if (place := residual_place(ev, base, key, node)) is not None and not is_structural(value):
         ev.assign_to(*place, value, node, f)
         return
     key = key if isinstance(key, str) else _key(ev, base, key, node)
@@ -180,8 +172,8 @@ def store_residual(ev: Evaluator, base: ResidualObject, key: Any, value: Value, 
     if column is None:
         raise ev.refusal(node, f"'{key}' is new in {ev.kind_of(base)}, of which only the run knows which it is",
                          help="set it where the object is made")
-    if not _is_shared(ev, column, value):
-        raise _differs(ev, Object(base.table.kind, made=base.table.made), key, (column, value), node)
+    if not alike(column, value):
+        raise _differs(ev, base.table, key, value, node)
 
 
 @operation
