@@ -146,15 +146,15 @@ def ediff1d(ary, to_end=None, to_begin=None):
 
 
 # -- reductions of what a mask picks, or that begin with a number ----------------------------------------------------
-def masked_max(a, axis=None, *, keepdims=False, initial, where=True):
+def masked_max(a, axis=None, *, keepdims=False, initial, where=None):
     first = np.full_like(a, initial)        # in the dtype of the array
-    picked = a if where is True else np.where(where, a, first)
+    picked = a if where is None else np.where(where, a, first)
     return np.maximum(np.max(picked, axis=axis, keepdims=keepdims), np.max(first, axis=axis, keepdims=keepdims))
 
 
-def masked_min(a, axis=None, *, keepdims=False, initial, where=True):
+def masked_min(a, axis=None, *, keepdims=False, initial, where=None):
     first = np.full_like(a, initial)
-    picked = a if where is True else np.where(where, a, first)
+    picked = a if where is None else np.where(where, a, first)
     return np.minimum(np.min(picked, axis=axis, keepdims=keepdims), np.min(first, axis=axis, keepdims=keepdims))
 
 

@@ -215,6 +215,9 @@ def _identical(ev: Evaluator, a: Value, b: Value, node: AST) -> bool:
         known = [v for v in datas if v.is_known]
         if known and (known[0].known is None or isinstance(known[0].known, (str, bool))):
             other = next(v for v in datas if not v.is_known)
+            if isinstance(known[0].known, bool) and not other.shape:    # a bool of NumPy's is neither
+                raise ev.unknown(node, f"whether something is {known[0].known} is asked, which only the run knows",
+                                 other, help="test it as it is: if flag, or if not flag")
             if other.demands and (isinstance(known[0].known, (str, bool)) or other.shape is None):
                 raise ev.unknown(node, "what an object is must be known before the run", other)
             return False

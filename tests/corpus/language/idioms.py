@@ -144,8 +144,27 @@ def of_the_machine(x):
     return x[0] / (x[1] + sys.float_info.min) if x[1] > sys.float_info.epsilon else x[0]
 
 
-KERNELS = [private_names, of_the_machine, asserted, first_one_apart, first_object_apart, extremes, axes, arguments,
-           in_order, beside_a_call, calls_inside]
+def flag_of_the_run(x):
+    flag, s = False, 0.0
+    for v in x:
+        if flag is True:
+            s += v
+        if v > 0.8:
+            flag = True
+    return s + x[0]
+
+
+def flag_that_is_known(x):
+    flag, s = False, x[0]
+    for k in range(3):
+        if flag is True:
+            s += x[k] * x[0]
+        flag = not flag
+    return s if (x is True) is False else 0.0
+
+
+KERNELS = [flag_that_is_known, private_names, of_the_machine, asserted, first_one_apart, first_object_apart,
+           extremes, axes, arguments, in_order, beside_a_call, calls_inside]
 
 
 def maybe(x):
@@ -162,6 +181,8 @@ def cases():
     # a call that returns nothing
     yield Case(returned, (X,), ("q",), ("q",))
     yield Case(passed_on, (X.astype("float32"),), ("q",), ("q",))
+    yield Case(flag_of_the_run, (X,), refused="S201 at `flag is True`: whether something is True is asked, which "
+               "only the run knows: test it as it is: if flag, or if not flag")
     # sizes and types
     yield Case(axes, (X[:1],), ("x",))
     yield Case(extremes, (X.astype("float32"),), ("x",))
