@@ -88,6 +88,10 @@ def by_tuples(x):
     return sorted([x[0], x[1]], key=lambda v: (v > 0.5, v))[0]
 
 
+def backwards_in_a_generator(x):
+    return sum(v * (i + 1) for i, v in enumerate(sorted(x, reverse=True)))
+
+
 def many_objects(x):
     ps = [Particle(x[k % 5] * k, 1.0) for k in range(20)]
     return max(ps, key=lambda p: p.v).v
@@ -211,7 +215,7 @@ def cases():
     x = np.array([0.31, 0.93, 0.5, 1.2, 0.7])
     for kernel in EVERY:
         yield Case(kernel, (x,), "x")
-    for kernel in (many_objects, five_objects):
+    for kernel in (backwards_in_a_generator, many_objects, five_objects):
         yield Case(kernel, (x,), "x")
     yield Case(written_behind, (x,), refused=(
         "S201 at `several[0] *= 2.0`: an array is written that another name may stand for here, as it did before a "

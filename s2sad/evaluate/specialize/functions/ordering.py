@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from s2sad import tree
@@ -114,7 +115,7 @@ def _sorted_array(ev: Evaluator, array: Value, back: bool, node: AST, f: Frame) 
     if not back:
         return made
     turned = tree.index(tree.copy(made.node), tree.Slice(None, None, tree.negate(tree.const(1))))
-    return ev.named(Data(tree.at(turned, node), shape=made.shape), "ordered", node)
+    return ev.named(replace(made, node=tree.at(turned, node)), "ordered", node)
 
 
 def _picked(ev: Evaluator, items: Sequence[Value], place: Data, node: AST, f: Frame, most: int = _MOST_ALTERNATIVES
