@@ -275,7 +275,7 @@ def augmented_assign(ev: Evaluator, s: Any, f: Frame) -> None:
     base = ev.indexed(base, s)
     if isinstance(base, ResidualObject) and ev.is_held_plainly(base, key, s.target, f):
         base, key = ev.residual_place(base, key, s.target) or (base, key)
-    if isinstance(base, Data):
+    if isinstance(base, Data) and not ev.holds_objects(base):
         _augmented_part(ev, s, base, key, f)
         return
     old = ev.attribute_of(base, key, s.target, f) if isinstance(key, str) else ev.item_of(base, key, s.target, f)
@@ -384,6 +384,12 @@ def _is_list(ev: Evaluator, value: Value) -> bool:
     return isinstance(value, Reference) and ev.heap[value].kind == "list"
 
 
+def _object_in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame) -> Value:
+    """What `old op= value` gives, as the class of an object says."""
+    method = ev.method_named(ev.class_of(old), f"__i{OPERATORS[type(s.op)][1]}__", old, s, f)
+    return ev.binary(s.op, old, value, s, f) if method is None else ev.call(method, [value], {}, s, f)
+
+
 def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: str, still: bool) -> Value | None:
     """What `old op= value` leaves: an array keeps being the one that it is. None where that is what was there before;
     a number's name is bound anew where the target holds it `still`, and nothing else does."""
@@ -395,8 +401,12 @@ def in_place(ev: Evaluator, old: Value, value: Value, s: Any, f: Frame, wanted: 
             ev.container_method(old, "extend", [value], {}, s, f)
             return None
         if held.kind == "record":
-            method = ev.method_named(held.made, f"__i{OPERATORS[type(s.op)][1]}__", old, s, f)
-            return ev.binary(s.op, old, value, s, f) if method is None else ev.call(method, [value], {}, s, f)
+            return _object_in_place(ev, old, value, s, f)
+    if isinstance(old, ResidualObject):
+        if old.table.kind != "record":
+            raise ev.refusal(s, f"{ev.kind_of(old)} of which only the run knows which it is is added to",
+                             help="assign its items")
+        return _object_in_place(ev, old, value, s, f)
     if isinstance(old, Data) and old.is_list and isinstance(s.op, tree.Add):
         return ev.extend_residual(old, value, s, f)
     if not isinstance(old, Data) or old.is_known and old.is_literal or not isinstance(

@@ -263,7 +263,8 @@ def _contained(ev: Evaluator, a: Value, b: Value, wanted: bool, node: AST, f: Fr
         if isinstance(a, Data) and a.shape == () and not a.is_known and not a.demands:
             return _is_a_key(ev, a, b, wanted, node)
         return constant((ev.key_of(a, node) in ev.heap[b].items) is wanted)
-    if isinstance(b, Reference) and ev.heap[b].kind == "record":
+    if isinstance(b, Reference) and ev.heap[b].kind == "record" or isinstance(b, ResidualObject) and (
+            b.table.kind == "record"):
         found = ev.truth(ev.call(ev.attribute_of(b, "__contains__", node, f), [a], {}, node, f), node, f)
         if isinstance(found, Data):
             return found if wanted else Data(tree.at(tree.UnaryOp(tree.Not(), found.node), node))

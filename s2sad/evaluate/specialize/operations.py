@@ -90,6 +90,8 @@ class Operations:
     limit_items: Callable[..., Any]
     as_row: Callable[..., Any]
     as_residual: Callable[..., Any]
+    residual_method: Callable[..., Any]
+    holds_objects: Callable[..., Any]
     may_hold: Callable[..., Any]
     refuse_objects: Callable[..., Any]
     made_at: Callable[..., Any]

@@ -219,6 +219,121 @@ def read_before_it_is_filled(x):
     return s + sum(p.v for p in ps)
 
 
+class Vector:
+    def __init__(self, x, y):
+        self.x, self.y = x, y
+
+    def __add__(self, other):
+        return Vector(self.x + other.x, self.y + other.y)
+
+    def __iadd__(self, other):
+        self.x += other.x
+        self.y += 2.0 * other.y
+        return self
+
+    def __sub__(self, other):
+        return Vector(self.x - other.x, self.y - other.y)
+
+    def __mul__(self, s):
+        return Vector(self.x * s, self.y * s)
+
+    def __neg__(self):
+        return Vector(-self.x, -self.y)
+
+    def __contains__(self, v):
+        return v < self.x
+
+    def __call__(self, v):
+        return self.x * v
+
+    def __len__(self):
+        return 2
+
+    def __getitem__(self, k):
+        return self.y if k else self.x
+
+    def __setitem__(self, k, v):
+        self.x = v / (k + 1)
+
+    def norm(self):
+        return self.x ** 2 + self.y ** 2
+
+
+class Moving:
+    def __init__(self, place, speed):
+        self.place, self.speed = place, speed
+
+
+def objects_of_objects(x):
+    bodies, shared = [], Vector(x[2], x[1])
+    for k, v in enumerate(x):
+        if v > 0.4:
+            bodies.append(Moving(Vector(v, k), shared if k else Vector(x[1], x[2])))
+    for _ in range(2):
+        for b in bodies:
+            b.place += b.speed * 0.1
+            b.speed.y -= 0.05 * b.place.norm()
+            b.place -= b.speed
+            b.place.x *= 1.1
+        bodies = [b for b in bodies if b.place.norm() < 9.0]
+    return sum(b.place.norm() + b.speed.norm() for b in bodies) + shared.y
+
+
+def in_place_operators(x):
+    ps = []
+    for k, v in enumerate(x):
+        if v > 0.4:
+            ps.append(Vector(v, k))
+    p, q = ps[0], ps[1]
+    p += Vector(x[1], x[2])
+    ps[1] += Vector(x[0], x[2])
+    ps[0] -= Vector(x[1], 1.0)
+    return sum((k + 1) * v.norm() for k, v in enumerate(ps)) + p.x + q.y
+
+
+def methods_by_name(x):
+    ps = []
+    for v in x:
+        if v > 0.2:
+            ps.append(Vector(v, 1.0))
+    ps[0][1] = x[2]
+    ps[1][0] += 1.0
+    s = sum(p(x[1]) + (-p).x * len(p) for p in ps) + sum(p[1] for p in ps if 0.4 in p)
+    return s + ps[0].x if callable(ps[0]) else 0.0
+
+
+def methods_of_dictionaries(x):
+    ps = []
+    for v in x:
+        if v > 0.2:
+            ps.append({"a": v, "b": 1.0})
+    first = ps[0].copy()
+    for p in ps:
+        for key in p:
+            p[key] *= 1.5
+    first["b"] += x[1]
+    return sum(p.get("a") * p["b"] * p.get("c", 4.0) for p in ps) + first["a"] * first["b"] + len(ps[0])
+
+
+def a_list_of_objects_as_numbers(x):
+    ps = []
+    for v in x:
+        if v > 0.2:
+            ps.append(Vector(v, 1.0))
+    for p in ps:
+        p.x *= 2.0
+    return sum(ps) * x[0]
+
+
+def none_beside_numbers(x):
+    us = []
+    for v in x:
+        us.append(v)
+        if v > 0.5:
+            us.append(None)
+    return sum(u for u in us if u is not None)
+
+
 class Named:
     def __init__(self, name, u):
         self.name, self.u = name, u
@@ -287,7 +402,8 @@ def kept_before_it_is_made(x):
 def cases():
     for kernel in (emitted_and_lost, bodies_with_arrays, dictionaries, short_lists, splitting, of_a_system,
                    two_names_for_one, sorted_and_changed, removed_while_a_copy_is_gone_through, the_best_of_many,
-                   copies, read_before_it_is_filled, one_text_for_all):
+                   copies, read_before_it_is_filled, one_text_for_all, objects_of_objects, in_place_operators,
+                   methods_by_name, methods_of_dictionaries):
         yield Case(kernel, (X,), ("x",))
     yield Case(another_text_for_each, (X,), refused=(
         "S201 at `Named(\"even\" if k % 2 == 0 else \"odd\", v)`: 'name' of an object of class Named, of which only "
@@ -302,3 +418,9 @@ def cases():
     yield Case(kept_before_it_is_made, (X,), refused=(
         "S201 at `Registered(v, everything)`: an object of class Registered is kept elsewhere before it is made, and "
         "put into a list whose length only the run knows: put it there behind its __init__"))
+    yield Case(a_list_of_objects_as_numbers, (X,), refused=(
+        "S201 at `sum(ps)`: a list of objects, whose length only the run knows, is used as a whole: give the numbers "
+        "that they hold: [p.x for p in ps]"))
+    yield Case(none_beside_numbers, (X,), refused=(
+        "S201 at `us.append(None)`: None is put into a list whose length only the run knows: keep a number that says "
+        "the same: -1.0, or numpy.nan"))

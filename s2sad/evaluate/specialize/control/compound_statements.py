@@ -10,7 +10,7 @@ from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, statement
 from s2sad.evaluate.specialize.heap import Temporary
 from s2sad.evaluate.specialize.values import (
-    NONE, ClassValue, Data, Iteration, LibraryValue, Reference, TupleValue, Value, constant,
+    NONE, ClassValue, Data, Iteration, LibraryValue, Reference, ResidualObject, TupleValue, Value, constant,
 )
 from s2sad.tree import AST
 
@@ -106,6 +106,8 @@ def _test_of_pattern(ev: Evaluator, pattern: Any, subject: Value, f: Frame) -> b
 
 def _matches(ev: Evaluator, pattern: Any, subject: Value, f: Frame) -> bool:
     kind = type(pattern).__name__
+    if kind in ("MatchSequence", "MatchMapping") and isinstance(subject, ResidualObject):
+        raise ev.unknown(pattern, "what is matched must be known before the run", help="compare its items")
     if kind in ("MatchValue", "MatchSingleton"):
         value = ev.value(pattern.value, f) if kind == "MatchValue" else constant(pattern.value)
         found = ev.compared(tree.Eq() if kind == "MatchValue" else tree.Is(), subject, value, pattern, f)

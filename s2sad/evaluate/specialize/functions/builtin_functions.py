@@ -16,7 +16,7 @@ from s2sad.evaluate.specialize.sequences.known_shapes import broadcast, origins,
 from s2sad.evaluate.specialize.sequences.residual_lists import whole_list
 from s2sad.evaluate.specialize.values import (
     FACTORY, NONE, ClassValue, Data, FunctionValue, Iteration, LibraryValue, MethodValue, ObjectValue, Reference,
-    SliceValue, SuperValue, TupleValue, Value, constant,
+    ResidualObject, SliceValue, SuperValue, TupleValue, Value, constant,
 )
 from s2sad.tree import AST
 
@@ -217,8 +217,8 @@ def _type(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
 @function("builtins.callable")
 def _callable(ev: Evaluator, args: Args, _: Options, node: AST, f: Frame) -> Value:
     value = args[0]
-    if isinstance(value, Reference):
-        return constant(ev.has_attribute(value, "__call__", node, f) if ev.heap[value].kind == "record" else False)
+    if isinstance(value, ResidualObject) or isinstance(value, Reference) and ev.heap[value].kind == "record":
+        return constant(ev.class_of(value) is not None and ev.has_attribute(value, "__call__", node, f))
     return constant(isinstance(value, (FunctionValue, LibraryValue, ClassValue, MethodValue)))
 
 

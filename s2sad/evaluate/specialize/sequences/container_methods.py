@@ -12,7 +12,8 @@ from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.signals import Unevaluated
 from s2sad.evaluate.specialize.sparse.matrix_values import is_sparse
 from s2sad.evaluate.specialize.values import (
-    FACTORY, NONE, ClassValue, Data, Iteration, MethodValue, OpaqueValue, Reference, TupleValue, Value, constant,
+    FACTORY, NONE, ClassValue, Data, Iteration, MethodValue, OpaqueValue, Reference, ResidualObject, TupleValue, Value,
+    constant,
 )
 from s2sad.tree import AST
 
@@ -49,6 +50,8 @@ def container_method(ev: Evaluator, base: Value, name: str, args: list[Value], k
         return ev.constructed(base, ev.items_of(args[0], node, f), {}, node, f)
     if isinstance(base, MethodValue):
         return ev.dictionary_method(base, name, args, keywords, node, f)
+    if isinstance(base, ResidualObject):
+        return ev.residual_method(base, name, args, node, f)
     assert isinstance(base, Reference)
     if is_sparse(base, ev.heap):
         return ev.matrix_method(base, name, args, keywords, node, f)

@@ -212,10 +212,7 @@ def is_listed(ev: Evaluator, value: Value) -> bool:
 def refuse_objects(ev: Evaluator, values: Iterable[Value], node: AST) -> None:
     """Refuses lists of the residual program whose items stand for objects where these are used as they are."""
     for value in values:
-        rows = value.rows if isinstance(value, Data) and value.is_list else None
-        if rows is not None and rows.known.form is None and ev.residual:
-            ev.unfilled.append(rows)
-        if rows is not None and _holds_objects(rows.known.form):
+        if isinstance(value, Data) and holds_objects(ev, value):
             raise ev.refusal(node, "a list of objects, whose length only the run knows, is used as a whole",
                              help="give the numbers that they hold: [p.x for p in ps]")
         refuse_objects(ev, parts(value), node)
@@ -224,12 +221,18 @@ def refuse_objects(ev: Evaluator, values: Iterable[Value], node: AST) -> None:
 
 
 @operation
-def may_hold(ev: Evaluator, listed: Data, table: Any) -> bool:
-    """Whether items of a list stand for objects of a table; what is not known of one that is not filled is asked
-    again."""
-    form = None if listed.rows is None else listed.rows.known.form
-    if form is None and listed.rows is not None and ev.residual:
+def holds_objects(ev: Evaluator, listed: Data) -> bool:
+    """Whether items of a list stand for objects; what is not known of one that is not filled is asked again."""
+    known = listed.rows.known if listed.is_list and listed.rows is not None else None
+    if known is not None and known.form is None and ev.residual:
         ev.unfilled.append(listed.rows)
+    return known is not None and _holds_objects(known.form)
+
+
+@operation
+def may_hold(ev: Evaluator, listed: Data, table: Any) -> bool:
+    """Whether items of a list stand for objects of a table."""
+    form = listed.rows.known.form if holds_objects(ev, listed) else None
     return isinstance(form, _Form) and form.kind == "object" and form.made is table
 
 

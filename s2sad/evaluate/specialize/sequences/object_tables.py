@@ -13,7 +13,7 @@ one name is changed for all. What is no number and no array must be the same for
 """
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -24,7 +24,7 @@ from s2sad.evaluate.specialize.evaluator import Evaluator, operation
 from s2sad.evaluate.specialize.heap import Object
 from s2sad.evaluate.specialize.sequences.listed_records import ListedRecords
 from s2sad.evaluate.specialize.values import (
-    FACTORY, ClassValue, Data, Reference, ResidualObject, TupleValue, Value, alike,
+    FACTORY, NONE, ClassValue, Data, Reference, ResidualObject, TupleValue, Value, alike,
 )
 from s2sad.tree import AST
 
@@ -159,6 +159,20 @@ def picked_residual(ev: Evaluator, base: ResidualObject, place: Value, node: AST
         raise ev.refusal(node, f"{ev.kind_of(base)} of which only the run knows which it is has no item {key!r}",
                          code="S203")
     return residual_item(ev, base, key, node)
+
+
+@operation
+def residual_method(ev: Evaluator, base: ResidualObject, name: str, args: Sequence[Value], node: AST, f: Frame
+                    ) -> Value:
+    """What a method of a dict or a list gives that is a row of a table: those that read one item, or copy."""
+    held = {k: residual_item(ev, base, k, node) for k in base.table.columns} if name == "copy" else {}
+    if held:
+        return copied_residual(ev, base, held, node)
+    if name == "get" and base.table.kind == "dict" and args:
+        there = ev.key_of(args[0], node) in base.table.columns
+        return picked_residual(ev, base, args[0], node) if there else args[1] if args[1:] else NONE
+    raise ev.refusal(node, f".{name} of {ev.kind_of(base)} of which only the run knows which it is",
+                     help="name its items")
 
 
 @operation
