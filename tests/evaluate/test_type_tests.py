@@ -1,6 +1,8 @@
 """Questions after the type of an argument: answered before the types of branches are joined."""
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 import pytest
 
@@ -58,3 +60,38 @@ def test_what_a_type_has_its_objects_do_not():
     value, found = value_and_gradient(differentiate(called_or_read, engine="numpy"))(np.array([1.5, 0.7]))
     assert value == 1.5
     np.testing.assert_array_equal(found, [1.0, 0.0])
+
+
+def kinds_of_lists(x):
+    us = [v for v in x if v > 0.5]
+    last, s = deque(maxlen=2), 0.0
+    for v in us:
+        last.append(v)
+    more = us[1:]
+    for item in (us, more, last, x[0]):
+        if isinstance(item, list):
+            s += sum(item)
+        elif hasattr(item, "appendleft"):
+            s += 10.0 * sum(item)
+        elif not isinstance(item, (deque, tuple)):
+            s += 100.0 * item
+    return s
+
+
+def kind_of_a_row(x):
+    rows = []
+    for v in x:
+        if v > 0.5:
+            rows.append([v, 1.0])
+    return rows[0][0] * (2.0 if isinstance(rows[0], list) else 1.0)
+
+
+@pytest.mark.parametrize("engine", ["numpy", "loops"])
+def test_lists_of_the_run_are_lists(engine):
+    with running(engine) as under:
+        x = np.array([0.7, 0.2, 0.9])
+        value, found = value_and_gradient(differentiate(kinds_of_lists, engine=under))(x)
+        assert value == pytest.approx(kinds_of_lists(x))
+        np.testing.assert_allclose(found, [111.0, 0.0, 12.0])
+        with pytest.raises(S2sadError, match="whether something is a list or a tuple is asked"):
+            gradient(differentiate(kind_of_a_row, engine=under))(x)

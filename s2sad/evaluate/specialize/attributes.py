@@ -197,6 +197,10 @@ def has_attribute(ev: Evaluator, base: Value, name: str, node: AST, f: Frame) ->
         held = ev.heap[base]
         own = held.live is not None and taken(held.live, "own", name) is not ABSENT
         return own or name in held.items or ev.class_item(held.made, name, node, f) is not None
+    if isinstance(base, ResidualObject) and base.table.kind != "record":
+        return any(_has(kind, name) for kind in _CONTAINERS[base.table.kind][:1])
+    if isinstance(base, Data) and base.is_list:
+        return _has(list, name) or base.rows is not None and base.rows.known.most is not None and _has(deque, name)
     if isinstance(base, ResidualObject):
         return name in base.table.columns or ev.class_item(base.table.made, name, node, f) is not None
     if isinstance(base, Data) and not base.is_known:

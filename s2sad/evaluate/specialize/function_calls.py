@@ -161,6 +161,13 @@ def spelled_base(ev: Evaluator, value: Data, node: AST) -> AST:
     return ev.spelled(value, node)
 
 
+# what gives a tuple or a list of arrays
+_SEVERAL = frozenset(f"numpy.{n}" for n in (
+    "nonzero", "where", "modf", "frexp", "divmod", "unravel_index", "histogram", "meshgrid", "broadcast_arrays", "ix_",
+    "split", "array_split", "hsplit", "vsplit", "dsplit", "gradient", "unique", "linalg.slogdet", "linalg.qr",
+    "linalg.eig", "linalg.eigh", "linalg.svd", "linalg.lstsq")) | {"builtins.divmod", "math.modf", "math.frexp"}
+
+
 @operation
 def residual_call(ev: Evaluator, function: AST, args: Sequence[Value], keywords: Mapping[str, Value], node: AST
                   ) -> Data:
@@ -169,7 +176,7 @@ def residual_call(ev: Evaluator, function: AST, args: Sequence[Value], keywords:
     made = tree.at(tree.Call(function, [ev.spelled(a, node) for a in args],
                              [tree.keyword(k, ev.spelled(v, node)) for k, v in keywords.items()]), node)
     if not is_writing_call(made):
-        return Data(made)
+        return Data(made, may_be_row=(tree.call_name(made) or "") in _SEVERAL)
     filled = stored_out(made)
     if filled is not None and not isinstance(filled[0].value, (tree.Name, tree.Subscript)):
         return ev.named(Data(made), "filled", node)

@@ -58,6 +58,7 @@ class Data:
     dtype: str = field(default="", compare=False)           # of an argument as it is given
     is_signed: bool = field(default=False, compare=False)   # an integer of a table with negative ones
     count: int | None = field(default=None, compare=False)      # of a tuple's items
+    may_be_row: bool = field(default=False, compare=False)      # a tuple or a list, perhaps
 
     @property
     def is_known(self) -> bool:

@@ -11,6 +11,7 @@ from typing import Any
 from s2sad.evaluate.library import WRITTEN
 from s2sad.evaluate.specialize.evaluation_state import Frame
 from s2sad.evaluate.specialize.evaluator import Evaluator, operation
+from s2sad.evaluate.specialize.sequences.listed_records import ONE_OF_SEVERAL
 from s2sad.evaluate.specialize.values import (
     ClassValue, Data, FunctionValue, LibraryValue, ObjectValue, Reference, ResidualObject, TupleValue, Value,
 )
@@ -23,7 +24,8 @@ _OBJECT = ("__init__", "__new__", "__setattr__", "__getattribute__", "__eq__", "
 
 
 NONE_TYPE = "types.NoneType"
-_NO_NUMBERS = ("builtins.str", "builtins.list", "builtins.tuple", "builtins.dict")
+_NO_NUMBERS = ("builtins.str", "builtins.list", "builtins.tuple", "builtins.dict", "collections.deque", "builtins.set")
+_SEQUENCES = ("builtins.list", "collections.deque", "builtins.tuple")
 _INTEGERS = ("builtins.int", "builtins.bool")
 _PYTHONS = {"builtins.float": "float64", "builtins.complex": "complex128"}
 _OF_NUMBERS = (int, float, complex, str)      # classes of the user's may be made of these, and arguments of them
@@ -186,6 +188,12 @@ def is_instance(ev: Evaluator, value: Value, made: Value, node: AST) -> bool | N
         return own is not None and made in mro(ev, own) or (isinstance(value, ObjectValue) and made.live is not None
                                                            and isinstance(value.value, made.live))
     path = made.path if isinstance(made, LibraryValue) else ""
+    most = value.rows.known.most if isinstance(value, Data) and value.rows is not None else None
+    if isinstance(value, Data) and not value.is_known and path in _SEQUENCES and (
+            most == ONE_OF_SEVERAL or not value.is_list and (value.count or value.may_be_row)):
+        raise ev.unknown(node, "whether something is a list or a tuple is asked, which only the run knows", value)
+    if isinstance(value, Data) and value.is_list:
+        return path in ("builtins.object", _SEQUENCES[most is not None])
     if isinstance(value, Data):
         answer = _is_of_library(value, path)
         if answer is None and value.demands:

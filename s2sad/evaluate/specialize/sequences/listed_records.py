@@ -31,7 +31,7 @@ from s2sad.tree import AST
 
 _ROW = "a row"      # the form of a number or an array: it has a place in the row
 _TEXT = "a text"    # of which derivatives know nothing
-_ONE_OF_SEVERAL = -1        # how many items a deque keeps of which only the run knows which it is
+ONE_OF_SEVERAL = -1        # how many items a deque keeps of which only the run knows which it is
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ def same_rows(values: Iterable[Data]) -> ListedRecords | None:
     found: list[Any] = [v.rows for v in values]
     there = [r for r in found if r is not None]
     if len({r.known.most for r in there}) > 1 or len(there) < len(found) and any(r.known.most for r in there):
-        return ListedRecords(_Items(most=_ONE_OF_SEVERAL))
+        return ListedRecords(_Items(most=ONE_OF_SEVERAL))
     if len(there) < len(found) or not _have_one_form(there):
         return None
     for other in there[1:]:
@@ -136,7 +136,7 @@ def same_rows(values: Iterable[Data]) -> ListedRecords | None:
 def append_residual(ev: Evaluator, base: Data, value: Value, node: AST, f: Frame | None = None) -> None:
     """Appends to a list of the residual program; a deque that holds as many as it keeps loses its first one."""
     most = None if base.rows is None else base.rows.known.most
-    if most == _ONE_OF_SEVERAL:
+    if most == ONE_OF_SEVERAL:
         raise ev.refusal(node, "a deque with a length is one of several", help="give each a name of its own")
     item = ev.as_row(base.rows, value, node)
     added = tree.Call(tree.attribute(ev.spelled(base, node), "append"), [ev.spelled_item(item, node, f)], [])
@@ -193,7 +193,8 @@ def listed_record(ev: Evaluator, listed: Data, item: Data, node: AST) -> Value:
         ev.unfilled.append(listed.rows)     # what is put there says later what it is
         ev.raises("builtins.IndexError", [tree.const("list index out of range")], node)
     if not form:
-        return replace(item, count=known.width) if known.width else item
+        return replace(item, count=known.width) if known.width else replace(
+            item, may_be_row=listed.is_list and known.width is None)
     if form == _TEXT:
         return OpaqueValue("a text of a list whose length only the run knows")
     if form.kind == "object":
